@@ -39,7 +39,7 @@ std::string RoundCones::load(const Problem& problem, Frictionless frictionless) 
       m += 2;
     }
   }
-  lcp_ = make_lcp(problem);
+  lcp_ = finite_lcp(problem);
   SparseMatrix rows(lcp_.size(), m);
   rows.setFromTriplets(entries.begin(), entries.end());
   W_ = rows.transpose() * (lcp_.M * rows).eval();

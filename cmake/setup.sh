@@ -7,7 +7,7 @@ REQUIRED_PACKAGES="g++ cmake ninja-build pkg-config git libeigen3-dev libcli11-d
 HELPFUL_PACKAGES="ccache"
 # Each of these brings adapters; without it they are left out, and `lcpbench solvers` says so.
 ADAPTER_PACKAGES="libbullet-dev coinor-libipopt-dev libode-dev libsiconos-numerics-dev
-  libdart-external-odelcpsolver-dev libdart-dev libsimbody-dev libsuitesparse-dev
+  libdart-dev libsimbody-dev libsuitesparse-dev
   libmujoco-dev libmujoco-samples libhdf5-dev"
 
 say() { printf '%s\n' "$@" >&2; }

@@ -13,18 +13,23 @@ double angle(Index direction, Index edges) {
   return 2 * std::numbers::pi * static_cast<double>(direction) / static_cast<double>(edges);
 }
 
-/// Whether the columns are cos(2 pi k / edges) t1 + sin(2 pi k / edges) t2.
-bool is_regular_polygon(const Matrix& D) {
-  constexpr double kTolerance = 1e-6;  // as that of a scene's normals and tangents
-  const Index edges = D.cols();
-  const Vector t1 = D.col(0);
-  const Vector t2 = D.col(edges / 4);
-  const double size = std::max(t1.lpNorm<Eigen::Infinity>(), t2.lpNorm<Eigen::Infinity>());
-  for (Index k = 0; k < edges / 2; ++k) {
-    const Vector expected = std::cos(angle(k, edges)) * t1 + std::sin(angle(k, edges)) * t2;
-    if (!((D.col(k) - expected).lpNorm<Eigen::Infinity>() <= kTolerance * size)) return false;
+constexpr double kTolerance = 1e-12;
+
+/// Why the columns from `begin` on are not cos(2 pi k / edges) t1 + sin(2 pi k / edges) t2 with two tangents, or "".
+template <class Matrix>
+std::string why_no_polygon(const Matrix& D, Index begin, Index edges) {
+  const auto t1 = D.col(begin), t2 = D.col(begin + edges / 4);
+  const double size = std::max(t1.norm(), t2.norm());
+  if (size > 0 && std::min((t1 - t2).norm(), (t1 + t2).norm()) <= kTolerance * size) {
+    return "two tangents that are the same direction";
   }
-  return true;
+  for (Index k = 0; edges > 4 && k < edges / 2; ++k) {
+    const double c = std::cos(angle(k, edges)), s = std::sin(angle(k, edges));
+    if (!((D.col(begin + k) - (c * t1 + s * t2)).norm() <= kTolerance * size)) {
+      return "friction directions that are no regular polygon";
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -33,10 +38,9 @@ std::string why_no_round_cone(const ContactProblem& problem) {
   Index begin = 0;
   for (const int edges : problem.edges) {
     if (edges % 4 != 0) return "a contact of " + std::to_string(edges) + " edges: takes multiples of 4";
-    if (edges > 4) {
-      const Matrix directions =
-          std::visit([&](const auto& D) -> Matrix { return D.middleCols(begin, edges); }, problem.D);
-      if (!is_regular_polygon(directions)) return "friction directions that are no regular polygon";
+    if (edges > 0) {
+      const auto of = [&](const auto& D) { return why_no_polygon(D, begin, edges); };
+      if (std::string why = std::visit(of, problem.D); !why.empty()) return why;
     }
     begin += edges;
   }

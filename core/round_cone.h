@@ -8,7 +8,8 @@ namespace lcpbench {
 
 /// Why the friction directions of some contact do not define a round cone, or "". A contact with friction needs a
 /// multiple of 4 directions; its tangents t1 and t2 are then the directions 0 and edges / 4. More than 4 must form a
-/// regular polygon in these tangents, to 1e-6. Whether t1 and t2 are orthonormal is not tested.
+/// regular polygon in these tangents, to 1e-12 of the longer one: edge_direction() rounds to 2^-40, which is 9.1e-13.
+/// t1 and t2 may not be the same direction, to 1e-12. Whether they are orthonormal is not tested.
 std::string why_no_round_cone(const ContactProblem& problem);
 
 /// Sets f >= 0, the impulses along the directions of a contact, so that their vector sum is a t1 + b t2. Only the two

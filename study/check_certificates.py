@@ -15,7 +15,6 @@ Exit codes: 0 every certificate was accepted; 1 one was rejected; 2 a file canno
 import argparse
 import collections
 import json
-import math
 import multiprocessing
 import pathlib
 import re
@@ -25,11 +24,10 @@ import sys
 import zlib
 from fractions import Fraction
 
-from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, from_fractions, is_nonnegative,
-                            is_positive, is_zero, plus, read_problem, require, times, transposed_times, unit_vectors,
-                            zeros)
+from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, is_nonnegative, is_positive, is_zero,
+                            plus, read_problem, require, rounded, transposed_times, zeros)
 
-PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "branching")}
+PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas",)}
 
 
 # ------------------------------------------------------------------------------------------------ certificates
@@ -130,128 +128,19 @@ def check_lp(document, problem):
                 f"contact {i} is not covered by the shifted velocity")
 
 
-class Transposed:
-    """M'y and q'y of the LCP w = q + M z, times positive denominators, for n integers y."""
-
-    def __init__(self, problem):
-        self.problem = problem
-        if isinstance(problem, BareLcp):
-            self.q = problem.q
-            return
-        require(problem.form != "G" or problem.has_inertia, "G is not positive definite")
-        self.q = problem.velocities(problem.v)
-        self.dense = problem.nc + problem.friction
-        impulses = [problem.impulse(unit) for unit in unit_vectors(self.dense)]
-        moved = [problem.moved_by(p) for p in potentials(problem, impulses)]
-        common = math.lcm(*(velocity.denominator for velocity in moved))
-        columns = [[number * (common // velocity.denominator) for number in velocity.numerators] for velocity in moved]
-        self.moved = Rationals(list(zip(*columns)), common)  # column j: the change of velocity by the unit impulse j
-
-    def gain(self, y):
-        return sum(a * b for a, b in zip(self.q.numerators, y))
-
-    def columns(self, y):
-        problem = self.problem
-        if isinstance(problem, BareLcp):
-            return transposed_times(problem.M, Rationals(y, 1), problem.size).numerators
-        # M is symmetric but for mu and the signs of the cone rows.
-        f = Rationals(y[:self.dense], 1)
-        w = problem.on_contacts(times(self.moved, f))
-        if problem.is_soft:
-            w = plus(w, from_fractions(problem.yielding(f)))
-        mu, unit = problem.mu.numerators, problem.mu.denominator
-        sums = [number * unit for number in w.numerators]
-        for i, slack in zip(problem.cones, y[self.dense:]):
-            sums[i] += mu[i] * slack * w.denominator
-            begin = problem.nc + problem.first[i]
-            directions = range(begin, begin + problem.edges[i])
-            for t in directions:
-                sums[t] -= slack * w.denominator * unit
-            sums.append(sum(y[t] for t in directions) * w.denominator * unit)
-        return sums
-
-
-def check_leaf(transposed, node, w_is_zero, z_is_zero):
-    require(len(node) % 2 == 0, "a leaf has a row without a multiplier")
-    y = [0] * transposed.problem.size
-    for row, multiplier in zip(node[::2], node[1::2]):
-        y[index_below(row, len(y))] += integer(multiplier)
-    require(all(value >= 0 or i in w_is_zero for i, value in enumerate(y)), "a leaf has a negative multiplier")
-    require(transposed.gain(y) < 0, "a leaf proves nothing: q'y is not negative")
-    columns = transposed.columns(y)
-    require(all(entry <= 0 or j in z_is_zero for j, entry in enumerate(columns)), "a leaf has M'y positive")
-
-
-def integer(text):
-    require(isinstance(text, str) and re.fullmatch(r"-?[0-9]+", text), "a multiplier is no integer")
-    return int(text)
-
-
-def index_below(number, size):
-    require(isinstance(number, float) and number.is_integer() and 0 <= number < size, "a row is none of the problem's")
-    return int(number)
-
-
-def check_branching(document, problem):
-    """In every leaf y'w = q'y + (M'y)'z, where the left is not negative and the right is: no z lies in its cones."""
-    transposed = Transposed(problem)
-    imposed = [(frozenset(), frozenset())]  # what the nodes to come impose: rows with w = 0, rows with z = 0
-    require(document["branches"], "branches is missing")
-    for node in document["branches"]:
-        require(imposed, "there are more nodes than branches")
-        w_is_zero, z_is_zero = imposed.pop()
-        if isinstance(node, list):
-            check_leaf(transposed, node, w_is_zero, z_is_zero)
-        else:
-            row = index_below(node, problem.size)
-            imposed += [(w_is_zero, z_is_zero | {row}), (w_is_zero | {row}, z_is_zero)]
-    require(not imposed, "a branch is missing")
-
-
-def potentials(problem, impulses):
-    """A potential of each impulse: K p = B f, by elimination with free entries 0."""
-    if problem.form == "Ginv":
-        return [times(problem.G, impulse) for impulse in impulses]
-    size = problem.potentials
-    columns = [problem.stiffness_times(unit).fractions() for unit in unit_vectors(size)]
-    columns += [problem.reduced(impulse).fractions() for impulse in impulses]
-    work = [[column[i] for column in columns] for i in range(size)]
-    pivots = []
-    for k in range(size):
-        row = next((i for i in range(len(pivots), size) if work[i][k]), None)
-        if row is None:
-            continue
-        top = len(pivots)
-        work[top], work[row] = work[row], work[top]
-        work[top] = [entry / work[top][k] for entry in work[top]]
-        for i in range(size):
-            if i != top and work[i][k]:
-                work[i] = [a - work[i][k] * b for a, b in zip(work[i], work[top])]
-        pivots.append(k)
-    require(not any(any(row[size:]) for row in work[len(pivots):]), "an impulse has no potential")
-    found = []
-    for j in range(size, size + len(impulses)):
-        p = [Fraction(0)] * size
-        for i, k in enumerate(pivots):
-            p[k] = work[i][j]
-        found.append(from_fractions(p))
-    return found
-
-
 def check(document):
     """@throws Rejected"""
     require(document["format"] == "lcpbench-proof" and document["version"] == 1, "no proof of version 1")
     kind, proof = document["certificate"], document["proof"]
+    require(proof != "branching", "proofs by branching, of earlier versions, are no longer checked")
     require(proof in PROOFS_OF.get(kind, ()), f"'{proof}' is no proof of '{kind}'")
     problem = read_problem(document["problem"])
     if proof == "exact_basis":
         check_solution(document, problem)
     elif proof == "farkas":
         check_farkas(document, problem)
-    elif proof == "lp":
-        check_lp(document, problem)
     else:
-        check_branching(document, problem)
+        check_lp(document, problem)
 
 
 # ------------------------------------------------------------------------------------------- files and stores
@@ -261,9 +150,15 @@ def refuse_constant(name):
     raise ValueError(f"{name} is no number")
 
 
+def fields_once(pairs):
+    document = dict(pairs)
+    require(len(document) == len(pairs), "a field is given twice")
+    return document
+
+
 def parse(text):
     # Every number is a double: "123456789012345680" stands for the double nearest to it.
-    return json.loads(text, parse_int=float, parse_constant=refuse_constant)
+    return json.loads(text, parse_int=float, parse_constant=refuse_constant, object_pairs_hook=fields_once)
 
 
 # text: the proof, of a store deflated, None: left open; stored: the row of the store, None: of a file of proofs
@@ -279,6 +174,18 @@ def decoded_vector(blob):
     return vector
 
 
+def least_violation(document, problem):
+    """By which any impulses violate some contact [m/s], rounded down; None where the proof does not say."""
+    if document["proof"] != "farkas" or isinstance(problem, BareLcp):
+        return None
+    u = exact_vector(document, "exact_farkas", problem.nc + problem.friction).part(0, problem.nc)
+    least = -dot(problem.velocities(problem.v).part(0, problem.nc), u) / Fraction(sum(u.numerators), u.denominator)
+    nearest = rounded(least.numerator, least.denominator)
+    if nearest is None:
+        return sys.float_info.max
+    return math.nextafter(nearest, 0.0) if least < Fraction(nearest) else nearest
+
+
 def check_stored(document, stored):
     """The table of certificates says what the proof shows, of the problem that it stands beside."""
     for field in ("certificate", "proof"):
@@ -290,8 +197,10 @@ def check_stored(document, stored):
     if not stored["set_name"].startswith("file:"):
         names = [stored["name"]] + [stored["set_name"]] * (stored["trial"] == 0)  # one of a kind: the set's
         require(document["problem"]["name"] in names, "the proof is of another problem")
-    size = read_problem(document["problem"]).size
-    require(size == stored["n"], f"the table has a problem of {stored['n']} unknowns, the proof one of {size}")
+    problem = read_problem(document["problem"])
+    require(problem.size == stored["n"],
+            f"the table has a problem of {stored['n']} unknowns, the proof one of {problem.size}")
+    require(stored["least_violation"] == least_violation(document, problem), "the table has another least_violation")
 
 
 def verdict(item):
@@ -317,7 +226,8 @@ def verdict(item):
 
 QUERY = """
 SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial AS name, s.name AS set_name, p.seed, p.trial, p.n,
-       c.certificate, c.proof, c.velocity_unique, v.data AS velocity, d.document
+       c.certificate, c.proof, c.velocity_unique, c.least_violation_m_per_s AS least_violation, v.data AS velocity,
+       d.document
 FROM problems p JOIN sets s ON s.id = p.set_id
 LEFT JOIN certificates c ON c.problem_id = p.id LEFT JOIN proofs d ON d.problem_id = p.id
 LEFT JOIN vectors v ON v.id = c.velocity

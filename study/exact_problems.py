@@ -48,7 +48,9 @@ class Rationals:
 def from_doubles(values):
     """A vector, or a matrix as a list of rows, of doubles; each is an integer times a power of two."""
     is_matrix = bool(values) and isinstance(values[0], list)
-    ratios = [[float(x).as_integer_ratio() for x in row] for row in (values if is_matrix else [values])]
+    rows = values if is_matrix else [values]
+    require(all(isinstance(x, float) for row in rows for x in row), "an entry of a vector or matrix is no number")
+    ratios = [[x.as_integer_ratio() for x in row] for row in rows]
     denominator = max((d for row in ratios for _, d in row), default=1)
     rows = [[n * (denominator // d) for n, d in row] for row in ratios]
     return Rationals(rows if is_matrix else rows[0], denominator)
@@ -95,10 +97,6 @@ def is_nonnegative(x):
 
 def zeros(length):
     return Rationals([0] * length, 1)
-
-
-def unit_vectors(length):
-    return [Rationals([int(i == j) for i in range(length)], 1) for j in range(length)]
 
 
 def joined(x, y):
@@ -172,9 +170,10 @@ class Contact:
     def __init__(self, document):
         self.v = from_doubles(document["v"])
         self.ngc = len(self.v)
-        self.edges = [int(e) for e in document["edges"]] if "edges" in document else None
-        if self.edges is None:
-            self.edges = [0] * (len(document["N"][0]) if document["N"] else 0)
+        require(len({"D", "edges", "mu"} & set(document)) in (0, 3), "D, edges and mu come together or not at all")
+        given = document.get("edges", [0.0] * (len(document["N"][0]) if document["N"] else 0))
+        require(all(isinstance(e, float) and e >= 0 and e % 2 == 0 for e in given), "edges has no even number >= 0")
+        self.edges = [int(e) for e in given]
         self.nc = len(self.edges)
         self.friction = sum(self.edges)
         self.N = matrix_of(document, "N", self.ngc, self.nc)
@@ -193,7 +192,7 @@ class Contact:
     def read_softness(self, document):
         """The compliance matrix R has r_n for a normal, and r_t C_k'C in the row of friction direction k."""
         count = {"compliance_n": self.nc, "compliance_t": self.nc, "offset_t": 2 * self.nc}
-        given = {name: [Fraction(x) for x in document.get(name, [0] * length)] for name, length in count.items()}
+        given = {name: from_doubles(document.get(name, [0.0] * length)).fractions() for name, length in count.items()}
         for name, length in count.items():
             require(len(given[name]) == length, f"{name} does not have {length} entries")
         self.r_n, self.r_t = given["compliance_n"], given["compliance_t"]
@@ -217,7 +216,6 @@ class Contact:
 
     def check_directions(self):
         for i in self.cones:
-            require(self.edges[i] % 2 == 0, f"contact {i} has an odd number of edges")
             half = self.edges[i] // 2
             for t in range(self.first[i], self.first[i] + half):
                 require(all(row[t] == -row[t + half] for row in self.D.numerators), f"contact {i}: D is not in pairs")
@@ -237,6 +235,7 @@ class Contact:
 
     def read_factors(self, factors):
         """Those of alpha = 0 are left out."""
+        require(set(factors) == {"X", "alpha"}, "G_factors has other fields than X and alpha")
         alpha = from_doubles(factors["alpha"])
         require(is_nonnegative(alpha), "alpha is negative")
         X = matrix_of(factors, "X", self.ngc, len(alpha))
@@ -307,6 +306,10 @@ class Contact:
 
 def read_problem(document):
     require(document["format"] == "lcpbench-problem" and document["version"] == 1, "no problem file of version 1")
-    kinds = {"lcp": BareLcp, "contact": Contact}
+    kinds = {"lcp": (BareLcp, "M q"),
+             "contact": (Contact, "v N D edges mu b G G_factors Ginv compliance_n compliance_t offset_t")}
     require(document["kind"] in kinds, "neither a bare LCP nor a contact problem")
-    return kinds[document["kind"]](document)
+    make, fields = kinds[document["kind"]]
+    unknown = set(document) - {"format", "version", "name", "kind", *fields.split()}
+    require(not unknown, f"the problem of a proof has no field {', '.join(sorted(unknown))}")
+    return make(document)

@@ -115,9 +115,13 @@ int run(int argc, const char* const* argv) {
       add_stability_command);
   add("validate", "Compare our solvers with the reference libraries, problem by problem", add_validate_command);
 
-  const std::string first = argc > 1 ? argv[1] : "";
+  if (argc == 1) {
+    say(stdout, "{}", folded_help(app.help()));
+    return kExitDone;
+  }
+  const std::string first = argv[1];
   const bool known = std::find(names.begin(), names.end(), first) != names.end();
-  if (!known && argc > 1 && !first.starts_with('-')) {
+  if (!known && !first.starts_with('-')) {
     throw InputError(fmt::format("unknown command '{}'{} (lcpbench --help)", first, did_you_mean(first, names)));
   }
   try {
@@ -151,7 +155,9 @@ int main(int argc, char** argv) {
   } catch (const WorkerError& error) {
     say(stderr, "lcpbench: {}\n", error.what());
   } catch (const std::system_error& error) {
-    say(stderr, "lcpbench: {}\n", error.what());
+    const bool crowded = error.code() == std::errc::resource_unavailable_try_again;
+    say(stderr, "lcpbench: {}{}\n", error.what(),
+        crowded ? ": no more threads and processes are allowed (ulimit -u)" : "");
   } catch (const std::exception& error) {
     say(stderr, "lcpbench: internal error: {}\n", error.what());
   }

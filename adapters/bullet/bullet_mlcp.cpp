@@ -1,10 +1,9 @@
-// Bullet's Lemke algorithm, the wrapper through which its worlds call it, and its projected Gauss-Seidel solver, all on
-// the matrix. Its Dantzig solver is in bullet_dantzig.cpp.
+// Bullet's Lemke algorithm and its projected Gauss-Seidel solver, both on the matrix. Its Dantzig solver is in
+// bullet_dantzig.cpp.
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <BulletDynamics/MLCPSolvers/btLemkeAlgorithm.h>
-#include <BulletDynamics/MLCPSolvers/btLemkeSolver.h>
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 static_assert(sizeof(btScalar) == sizeof(double), "needs Bullet's float64 build");
 #endif
@@ -23,22 +22,6 @@ struct BulletLemkeSettings {
   }
 };
 
-struct BulletMlcpLemkeSettings {
-  static constexpr Capabilities capabilities{.guarantees = "none stated by the library"};
-
-  std::int64_t max_loops = 1000;
-  bool box = true;
-  double upper = 1e10;
-  double max_value = 1e5;
-
-  void visit(auto&& field) {
-    field("max_loops", max_loops, IntegerRange{.min = 1, .max = 1000000000}, "m_maxLoops: pivots at most");
-    field("box", box, "m_useLoHighBounds: bounds in the data, with an inverse of M; false: btLemkeAlgorithm on (q, M)");
-    field("upper", upper, RealRange{.min = 0.0}, "upper bound of every unknown, with box; 1e10 is that of contacts");
-    field("max_value", max_value, RealRange{.min = 0.0}, "m_maxValue: an answer with a larger entry is discarded");
-  }
-};
-
 struct BulletPgsSettings {
   static constexpr Capabilities capabilities{
       .frictionless_only = true, .guarantees = "converges for symmetric positive definite M", .warm_start = true};
@@ -52,7 +35,6 @@ struct BulletPgsSettings {
 };
 
 class BulletLemke;
-class BulletMlcpLemke;
 class BulletPgs;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -79,7 +61,7 @@ class BulletLemke final : public Adapter<BulletLemkeSettings> {
 
  private:
   std::string take(const Problem& problem) override {
-    const Lcp lcp = make_lcp(problem);
+    const Lcp lcp = finite_lcp(problem);
     M_ = matrix_of(lcp.M);
     q_ = vector_of(lcp.q);
     return {};
@@ -122,7 +104,7 @@ class BulletMlcp {
     for (int i = 0; i < b_.rows(); ++i) limit_dependency_.push_back(-1);  // on no other unknown
   }
 
-  /// @param z  n: the start on entry (btLemkeSolver ignores it), x on return
+  /// @param z  n: the start on entry, x on return
   /// @returns what the solver returns: its claim
   bool solve(btMLCPSolverInterface& solver, int iterations, Vector& z) {
     btVectorXu x = vector_of(z);
@@ -137,40 +119,13 @@ class BulletMlcp {
   btAlignedObjectArray<int> limit_dependency_;
 };
 
-/// btLemkeSolver. By default the library inverts M by elimination without pivoting. It then solves an LCP of order 2n,
-/// which has the bounds in its data. It returns zeros and reports a failure if the answer has a NaN or an entry beyond
-/// 1e5. It ignores whether its Lemke algorithm failed, and may report success then. The adapter changes none of this.
-class BulletMlcpLemke final : public Adapter<BulletMlcpLemkeSettings> {
- public:
-  using Adapter::Adapter;
-
- private:
-  std::string take(const Problem& problem) override {
-    mlcp_.load(make_lcp(problem), settings_.upper);
-    return {};
-  }
-
-  void call(const SolveRequest&, Answer& answer) override {
-    btLemkeSolver solver;
-    solver.m_maxLoops = static_cast<int>(settings_.max_loops);
-    solver.m_useLoHighBounds = settings_.box;
-    solver.m_maxValue = settings_.max_value;
-    constexpr int kUnused = 0;  // btLemkeSolver ignores the number of iterations of the interface and reads m_maxLoops
-    const bool solved = mlcp_.solve(solver, kUnused, answer.z);
-    answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
-    if (!solved) answer.detail = "solveMLCP returned false";
-  }
-
-  BulletMlcp mlcp_;
-};
-
 class BulletPgs final : public Adapter<BulletPgsSettings> {
  public:
   using Adapter::Adapter;
 
  private:
   std::string take(const Problem& problem) override {
-    mlcp_.load(make_lcp(problem), static_cast<double>(BT_INFINITY));
+    mlcp_.load(finite_lcp(problem), static_cast<double>(BT_INFINITY));
     return {};
   }
 
@@ -194,13 +149,6 @@ SolverDefinition lcpbench_solver_bullet_lemke() {
   return define_adapter<BulletLemke, BulletLemkeSettings>(
       {.name = "bullet_lemke",
        .summary = "Bullet's Lemke algorithm (btLemkeAlgorithm) on (q, M)",
-       .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005"});
-}
-
-SolverDefinition lcpbench_solver_bullet_mlcp_lemke() {
-  return define_adapter<BulletMlcpLemke, BulletMlcpLemkeSettings>(
-      {.name = "bullet_mlcp_lemke",
-       .summary = "Bullet's btLemkeSolver (float64): its Lemke algorithm as its worlds call it",
        .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005"});
 }
 

@@ -1,7 +1,6 @@
 // DART's boxed solvers: DantzigBoxedLcpSolver, the first of its constraint solver, and PgsBoxedLcpSolver, the second.
 //
-// DantzigBoxedLcpSolver::solve() is one call of dSolveLCP in DART's copy of ODE's code. Without friction it is
-// therefore the code of ode_dantzig; its adapter adds DART's friction rows, which ode_dantzig does not take.
+// DantzigBoxedLcpSolver::solve() is one call of dSolveLCP in DART's copy of ODE's code.
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -114,6 +113,7 @@ class BoxedContacts {
     given_.A.setZero(stride(m), m);
     given_.A.topRows(m) = rows_.transpose() * (lcp_.M * rows_).eval();
     given_.b = -(rows_.transpose() * lcp_.q);
+    require_finite(given_.A, given_.b);
     given_.upper = Eigen::Map<const Vector>(rows.limit.data(), m);
     given_.lower = (given_.upper.array() < std::numeric_limits<double>::infinity()).select(-given_.upper, 0.0);
     given_.normal_row = std::move(rows.normal_row);
@@ -227,7 +227,7 @@ class DartPgs final : public Adapter<DartPgsSettings> {
 SolverDefinition lcpbench_solver_dart_dantzig() {
   return define_adapter<DartDantzig, DartDantzigSettings>(
       {.name = "dart_dantzig",
-       .summary = "DART's DantzigBoxedLcpSolver: the code of ode_dantzig, with DART's friction rows",
+       .summary = "DART's DantzigBoxedLcpSolver: ODE's principal pivoting, with DART's friction rows",
        .source =
            "DART, dart/constraint/DantzigBoxedLcpSolver, which calls ODE's dSolveLCP; after Baraff, SIGGRAPH 1994"});
 }

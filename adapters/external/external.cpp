@@ -14,6 +14,7 @@
 
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "adapters/external/external_json.h"
@@ -35,6 +36,8 @@ struct ExternalSettings {
   bool cone = false;
   bool compliance = false;
   bool warm_start = false;
+  bool writes_files = false;
+  std::string name;
 
   void visit(auto&& field) {
     field("command", command, "the program and its arguments, separated by spaces; quotes keep spaces together");
@@ -48,6 +51,9 @@ struct ExternalSettings {
           "else, in the form contact, their rigid equivalent");
     field("warm_start", warm_start,
           "whether it can begin from a guess at z, which it is then given with `run --start last`");
+    field("writes_files", writes_files,
+          "whether it may write files of more than 4 KiB, as a runtime does that keeps a cache (numba)");
+    field("name", name, "what tables call it");
   }
 };
 
@@ -59,6 +65,15 @@ class External;
 constexpr std::size_t kShownCommand = 200;
 constexpr std::size_t kLongestAcknowledgement = 1024;
 constexpr const char* kVersion1Note = "protocol version 1: a late second answer cannot be told apart";
+
+/// Names the limit on files where it seems to be what the program died of.
+std::string about_file_limit(const std::string& failure) {
+  for (const char* sign : {"File too large", "SIGXFSZ", "EFBIG"}) {
+    if (failure.find(sign) == std::string::npos) continue;
+    return "; it may write no file of more than 4 KiB: writes_files=true lifts this limit";
+  }
+  return "";
+}
 
 /// This process ends by a fault of its own.
 void end_all_and_die(int fault) {
@@ -99,6 +114,11 @@ class External final : public Solver, public SelfTimed {
     capabilities_.compliance = settings_.compliance || settings_.form == ProblemKind::kLcp;  // M has it
     signal(SIGPIPE, SIG_IGN);
     end_all_with_parent();
+    rlimit size{};
+    if (settings_.writes_files && getrlimit(RLIMIT_FSIZE, &size) == 0) {
+      size.rlim_cur = size.rlim_max;
+      setrlimit(RLIMIT_FSIZE, &size);
+    }
     start();
   }
 
@@ -118,7 +138,7 @@ class External final : public Solver, public SelfTimed {
     } catch (const worker::NoAnswer& failure) {
       result = TimedAnswer{};
       result.answer.claim = failure.claim();
-      result.answer.detail = failure.what();
+      result.answer.detail = failure.what() + about_file_limit(failure.what());
       times_ = SolveTimes{};
       times_.solve_wall_s = wall_clock_s() - begin_s;
     }
@@ -137,7 +157,7 @@ class External final : public Solver, public SelfTimed {
     const double begin_s = wall_clock_s();
     // "scene" needs a scene and "contact" contacts: the capabilities say so, and others are refused before this.
     std::optional<Problem> as_given;
-    if (settings_.form == ProblemKind::kLcp) as_given.emplace(problem.name(), make_lcp(problem));
+    if (settings_.form == ProblemKind::kLcp) as_given.emplace(problem.name(), finite_lcp(problem));
     if (settings_.form == ProblemKind::kContact) as_given.emplace(problem.name(), *problem.contact());
     const double formed_s = wall_clock_s();
     acknowledge("problem", external::problem_message(as_given ? *as_given : problem));
@@ -172,6 +192,7 @@ class External final : public Solver, public SelfTimed {
     } catch (const worker::NoAnswer& failure) {
       throw InputError("external: the program '" + settings_.command.substr(0, kShownCommand) +
                        "' did not print {\"sequence\": 1} as its first line, and flush it: " + failure.what() +
+                       about_file_limit(failure.what()) +
                        (failure.claim() == Claim::kTimeLimit
                             ? "; if it starts slowly, raise --time-limit, or time_limit_s of a plan"
                             : "; run it in a terminal to see why") +

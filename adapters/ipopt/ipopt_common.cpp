@@ -18,7 +18,7 @@ static Claim ipopt_claim(Ipopt::ApplicationReturnStatus status) {
 }
 
 void run_ipopt(const Ipopt::SmartPtr<NonlinearProgram>& program, const IpoptSettings& settings, double time_limit_s,
-               Answer& answer, const IpoptHints& hints) {
+               Answer& answer) {
   const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
   const Ipopt::SmartPtr<Ipopt::OptionsList> options = application->Options();
   options->SetIntegerValue("print_level", 0);
@@ -31,8 +31,7 @@ void run_ipopt(const Ipopt::SmartPtr<NonlinearProgram>& program, const IpoptSett
   options->SetStringValue("honor_original_bounds", "yes");
   options->SetStringValue("mu_strategy", "adaptive");
   options->SetStringValue("nlp_scaling_method", "none");
-  options->SetNumericValue("mu_init", hints.mu_init);
-  options->SetStringValue("hessian_constant", hints.constant_derivatives ? "yes" : "no");
+  options->SetStringValue("hessian_constant", "yes");
   options->SetStringValue("jac_c_constant", "yes");
   if (application->Initialize("") != Ipopt::Solve_Succeeded) {
     answer.detail = "Ipopt refused its options";

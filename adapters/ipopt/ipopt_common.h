@@ -49,18 +49,12 @@ class NonlinearProgram : public Ipopt::TNLP {
   Vector solution_;
 };
 
-/// Options that depend on the program.
-struct IpoptHints {
-  bool constant_derivatives = true;  ///< linear constraints and a quadratic objective: one Hessian for all iterations
-  double mu_init = 0.1;              ///< the first barrier parameter; 0.1 is Ipopt's default
-};
-
 /// Runs Ipopt on `program`. Sets claim, iteration count and detail of the answer, not its z.
-/// @pre the equality constraints are linear: their Jacobian is evaluated once
+/// @pre linear constraints and a quadratic objective: Jacobian and Hessian are evaluated once
 /// @param settings  an acceptable_tol below tol counts as tol
 /// @param time_limit_s  of CPU time (max_cpu_time), > 0
 void run_ipopt(const Ipopt::SmartPtr<NonlinearProgram>& program, const IpoptSettings& settings, double time_limit_s,
-               Answer& answer, const IpoptHints& hints = {});
+               Answer& answer);
 
 #endif
 

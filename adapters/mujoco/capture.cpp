@@ -213,6 +213,10 @@ class MujocoEngine final : public Engine {
 
   void choose_solver() {
     mjOption& option = model_->opt;
+    if (!scene_.soft.empty() && option.noslip_iterations > 0) {
+      throw InputError("--soft: the model's noslip_iterations change the answer of MuJoCo's solver to one of no convex "
+                       "problem; set them to 0");
+    }
     if (scene_.soft == "pgs") option.solver = mjSOL_PGS;
     if (scene_.soft == "cg") option.solver = mjSOL_CG;
     if (scene_.soft == "newton" || scene_.soft == "exact") option.solver = mjSOL_NEWTON;

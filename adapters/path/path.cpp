@@ -105,7 +105,7 @@ class Path final : public Adapter<PathSettings> {
 
  private:
   std::string take(const Problem& problem) override {
-    mcp_ = std::make_unique<LinearMcp>(make_lcp(problem));
+    mcp_ = std::make_unique<LinearMcp>(finite_lcp(problem));
     return {};
   }
 

@@ -15,13 +15,12 @@ namespace {
 
 #ifdef LCPBENCH_DESCRIBE_ONLY
 /// The solvers' names without the library: only different numbers are needed.
-enum SiconosLcp { SICONOS_LCP_LEMKE, SICONOS_LCP_NEWTON_FB_FBLSA, SICONOS_LCP_AVI_CAOFERRIS, SICONOS_LCP_PGS };
+enum SiconosLcp { SICONOS_LCP_LEMKE, SICONOS_LCP_NEWTON_FB_FBLSA, SICONOS_LCP_PGS };
 #endif
 
 constexpr Capabilities kLemke{.guarantees = "none stated by the library"};
 constexpr Capabilities kNewtonFb{.guarantees = "none: a stationary point of the merit function may be no solution",
                                  .warm_start = true};
-constexpr Capabilities kAvi{.guarantees = "copositive-plus M when the problem is feasible"};
 constexpr Capabilities kPgs{
     .frictionless_only = true, .guarantees = "symmetric positive definite M", .warm_start = true};
 
@@ -29,17 +28,15 @@ template <int kSolver>
 struct SiconosSettings {
   static constexpr int solver = kSolver;
   static constexpr bool newton = kSolver == SICONOS_LCP_NEWTON_FB_FBLSA;
-  static constexpr bool avi = kSolver == SICONOS_LCP_AVI_CAOFERRIS;
   static constexpr bool pgs = kSolver == SICONOS_LCP_PGS;
-  static constexpr Capabilities capabilities = newton ? kNewtonFb : avi ? kAvi : pgs ? kPgs : kLemke;
+  static constexpr Capabilities capabilities = newton ? kNewtonFb : pgs ? kPgs : kLemke;
 
-  double tolerance = newton ? 1e-10 : avi ? 1e-12 : 1e-6;
+  double tolerance = newton ? 1e-10 : 1e-6;
   std::int64_t max_iterations = newton ? 1000 : 10000;
 
   void visit(auto&& field) {
     field("tolerance", tolerance, RealRange{.min = 0.0, .max = 1.0},
           newton ? "on |min(z, w)| / |q| after each step; 1e-10 is Siconos's default"
-          : avi  ? "on |min(z, w)| / |q| of the answer; 1e-12 is Siconos's default"
           : pgs  ? "on |min(z, w)| / |q| after each sweep; 1e-6 is Siconos's default"
                  : "on |min(z, w)| / |q| of the answer; 1e-6 is Siconos's default");
     field("max_iterations", max_iterations, IntegerRange{.min = 1, .max = 1000000000},
@@ -98,13 +95,6 @@ SolverDefinition lcpbench_solver_siconos_newton_fb() {
       {.name = "siconos_newton_fb",
        .summary = "Siconos's Newton method on the Fischer-Burmeister function with a line search",
        .source = "Siconos, numerics/src/LCP; after De Luca, Facchinei, Kanzow 1996, Math. Program. 75"});
-}
-
-SolverDefinition lcpbench_solver_siconos_avi() {
-  return define_siconos<SiconosSettings<SICONOS_LCP_AVI_CAOFERRIS>>(
-      {.name = "siconos_avi",
-       .summary = "Siconos's pivotal method for affine variational inequalities on (q, M)",
-       .source = "Siconos, numerics/src/AVI; after Cao, Ferris 1996, Math. Oper. Res. 21"});
 }
 
 SolverDefinition lcpbench_solver_siconos_pgs() {

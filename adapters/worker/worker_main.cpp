@@ -48,7 +48,10 @@ double g_program_start_s = 0;
 void confine(rlim_t memory_bytes) {
   if (kMemoryIsLimited) limit(RLIMIT_AS, memory_bytes);
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_FSIZE, kFileBytes);
+  rlimit size{};
+  getrlimit(RLIMIT_FSIZE, &size);
+  size.rlim_cur = std::min(kFileBytes, size.rlim_max);  // an external program may be allowed more
+  setrlimit(RLIMIT_FSIZE, &size);
   signal(SIGXFSZ, SIG_IGN);
   if (chdir("/proc") != 0 && chdir("/") != 0) _exit(kExitProtocol);  // nobody, not even root, can make files in /proc
 }

@@ -310,7 +310,7 @@ void check_name(std::string_view name, const std::string& origin) {
                                   std::to_string(kMaxNameBytes) + " are allowed");
   }
   if (!is_utf8(name)) throw input_error(origin, "name: not UTF-8");
-  if (printable(name) != name) throw input_error(origin, "name: has a control character");
+  if (printable(name) != visible(name)) throw input_error(origin, "name: has a control character");
 }
 
 std::string problem_name_of_file(const std::string& file) {

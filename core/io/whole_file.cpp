@@ -51,6 +51,8 @@ void check_text(std::string_view beginning, const std::string& origin) {
 
 }  // namespace
 
+volatile std::sig_atomic_t files_in_place = 0;
+
 std::string read_text(const fs::path& file, const char* what) {
   const std::string origin = file.string();
   const std::uintmax_t size = checked_size(file, what);
@@ -105,7 +107,10 @@ WholeFile::WholeFile(const fs::path& file) : file_(file), place_(followed(file))
   const bool exists = stat(place_.c_str(), &found) == 0;
   if (exists && S_ISDIR(found.st_mode)) fail("is a folder");
   if (exists && access(place_.c_str(), W_OK) != 0) fail(std::strerror(errno));
-  if (exists && !S_ISREG(found.st_mode)) return;
+  if (exists && !S_ISREG(found.st_mode)) {
+    files_in_place = files_in_place + 1;
+    return;
+  }
   had_content_ = exists && found.st_size > 0;
   draft_ += ".part";
   try {
@@ -122,6 +127,7 @@ WholeFile::WholeFile(const fs::path& file) : file_(file), place_(followed(file))
 }
 
 WholeFile::~WholeFile() {
+  if (draft_ == place_) files_in_place = files_in_place - 1;
   if (descriptor_ < 0) return;
   unlink(draft_.c_str());  // before the lock ends
   close(descriptor_);

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace lcpbench {
+
+/// How many WholeFiles there are that are written in place. Their reader may never come, and nothing of them can be
+/// kept: an interrupt may end the process at once.
+extern volatile std::sig_atomic_t files_in_place;
 
 /// A file that is written whole or not at all. The text goes to a draft beside the file, `FILE.part`. commit() renames
 /// the complete draft to the file. Until then the old file stays as it was.

@@ -47,8 +47,8 @@ class AnswerTest {
   /// proves that there is no solution: of bare LCPs with `farkas` or because every support was tried, of contacts with
   /// `farkas`, rounded. Of contact problems the velocity residual with its estimated rounding has to be within
   /// kClaimedResidual of max|q| in double, or within what the verdict allows in 113 bits; of bare LCPs the backward
-  /// error within kClaimedBackwardError. Positive entries count as in the basis: w has to vanish there. O(ngc n); in
-  /// 113 bits, where double is in doubt, O(ngc^3). Only exact arithmetic allocates. A velocity is not tested.
+  /// error within kClaimedBackwardError. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Only exact
+  /// arithmetic allocates. A velocity is not tested.
   ///
   /// With singular inertia contacts may miss a solution by little: there the residual has to be at most kSureResidual.
   /// An answer with more is "unconfirmed", unless the problem is proven to have no solution (ContactFarkas).
@@ -73,7 +73,6 @@ class AnswerTest {
 
   bool solves(const Vector& z);
   void release();
-  bool solves_bare();
   bool solves_contacts();
   contact_lemke::Residual complete_in_quad();
   bool solves_bodies();

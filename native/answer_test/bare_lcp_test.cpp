@@ -19,9 +19,6 @@ constexpr double kUnitRoundoff = 0x1p-53;
 constexpr double kSmallestSafe = 0x1p-900;
 constexpr double kLargestSafe = 0x1p900;
 
-/// Entries of z below this, relative to the largest of their block, are rounding. Well below what the verdict allows.
-constexpr double kRounding = 1e-13;
-
 /// A w_i or z_i of less than this, relative to its scale, may vanish or be negative in the exact solution of a basis.
 constexpr double kClear = 1e-6;
 
@@ -41,7 +38,9 @@ void BareLcpTest::load(const Lcp& lcp) {
   lcp_ = &lcp;
   find_row_islands(lcp.M, islands_, support_);
   row_norm_ = lcp.M.cwiseAbs().rowwise().sum();
+  row_norm_ = (row_norm_.array() == 0).select(1.0, row_norm_);
   w_.resize(n);
+  basis_.resize(n);
   largest_.resize(static_cast<std::size_t>(islands_.count));
   support_.reserve(static_cast<std::size_t>(n));
   candidates_.resize(static_cast<std::size_t>(n));
@@ -69,43 +68,42 @@ void BareLcpTest::find_largest(const Vector& z) {
   for (Index i = 0; i < z.size(); ++i) largest_[block_of(i)] = std::max(largest(i), z(i));
 }
 
-/// |q_i| + norm_1(M_i) max z.
-double BareLcpTest::scale(Index row) const { return std::abs(lcp_->q(row)) + row_norm_(row) * largest(row); }
+double BareLcpTest::scale(Index row) const {
+  return LcpRow<double>{.norm = row_norm_(row), .q = lcp_->q(row), .largest = largest(row)}.scale();
+}
 
 double BareLcpTest::row_error(Index row, const Vector& z) const {
-  const double scale = this->scale(row);
+  const LcpRow<double> of{row_norm_(row), lcp_->q(row), z(row), w_(row), largest(row)};
+  const double scale = of.scale();
   if (!(scale >= kSmallestSafe && scale <= kLargestSafe)) return row_error_in_quad(row, z);
-  const double violation = z(row) > 0 ? std::abs(w_(row)) : std::max(0.0, -w_(row));
-  // n products and n sums, each rounded once, and two roundings here.
-  return violation / scale + static_cast<double>(2 * z.size() + 2) * kUnitRoundoff;
+  // n products and n sums, each rounded once, and as many of the norm, and two roundings here.
+  return of.violation() / scale + static_cast<double>(4 * z.size() + 2) * kUnitRoundoff;
 }
 
 double BareLcpTest::row_error_in_quad(Index row, const Vector& z) const {
-  Quad w = lcp_->q(row);
-  Quad norm = 0;
+  LcpRow<Quad> of{0, lcp_->q(row), z(row), lcp_->q(row), largest(row)};
   for (Index j = 0; j < z.size(); ++j) {
     const Quad entry = lcp_->M(row, j);
-    w += entry * static_cast<Quad>(z(j));
-    norm += abs(entry);
+    of.w += entry * static_cast<Quad>(z(j));
+    of.norm += abs(entry);
   }
-  const Quad violation = z(row) > 0 ? abs(w) : std::max(Quad{0}, -w);
-  if (violation == 0) return 0;
-  return to_double(violation / (abs(static_cast<Quad>(lcp_->q(row))) + norm * static_cast<Quad>(largest(row))));
+  if (of.norm == 0) of.norm = 1;
+  const Quad violation = of.violation();
+  return violation == 0 ? 0 : to_double(violation / of.scale());
 }
 
-bool BareLcpTest::drop_rounding(Vector& z) {
-  find_largest(z);
-  bool dropped = false;
-  for (Index i = 0; i < z.size(); ++i) {
-    if (!(z(i) > 0 && z(i) <= kRounding * largest(i))) continue;
-    z(i) = 0;
-    dropped = true;
-  }
-  return dropped;
+/// z with zeros where w is what does not vanish, and its w.
+void BareLcpTest::find_basis(const Vector& z) {
+  basis_ = (row_norm_.array() * z.array() > w_.array()).select(z, 0.0);
+  if (basis_ == z) return;
+  w_ = lcp_->q;
+  w_.noalias() += lcp_->M * basis_;
 }
 
-bool BareLcpTest::disproves(const Vector& z, double deadline_s) {
+bool BareLcpTest::disproves(const Vector& answer, double deadline_s) {
   by_exhaustion_ = false;
+  find_basis(answer);
+  const Vector& z = basis_;
   if (has_clear_basis(z)) return false;
   const Index n = z.size();
   bool is_solution = true;

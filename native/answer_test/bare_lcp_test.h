@@ -10,7 +10,7 @@
 
 namespace lcpbench {
 
-/// Row-norm backward error that the evaluation allows of bare LCPs. The test bounds its own rounding.
+/// Backward error (see LcpRow) up to which an answer to a bare LCP is claimed: well below the verdict's 1e-6.
 inline constexpr double kClaimedBackwardError = 1e-9;
 
 /// Tests answers to a bare LCP from its data: whether they solve it as the verdict has it, and whether what almost
@@ -24,20 +24,17 @@ class BareLcpTest {
   /// @param lcp must stay as it is until the next load. O(n^2)
   void load(const Lcp& lcp);
 
-  /// Bound on the largest violation |w_i| (z_i > 0) or max(0, -w_i) relative to |q_i| + norm_1(M_i) max z, the rounding
-  /// of w included; max z is that of the connected block of row i. Infinity for z of other length, negative or not
-  /// finite. Rows whose numbers double may not hold are evaluated in 113 bits. O(n^2), allocates nothing.
+  /// Bound on the largest violation of a row relative to its scale, see LcpRow, the rounding of w included. Infinity
+  /// for z of other length, negative or not finite. Rows whose numbers double may not hold are evaluated in 113 bits.
+  /// O(n^2), allocates nothing.
   double backward_error(const Vector& z);
 
-  /// Sets the entries of z to zero that are no more than rounding against the largest of their block.
-  /// @returns whether there were any. @pre z of n finite entries
-  bool drop_rounding(Vector& z);
-
   /// Whether the problem that the z of the last backward_error(), though small, seems to solve is proven exactly to
-  /// have no solution. Asked for only where z is no solution exactly, and its basis does not clearly give one: by a
-  /// vector u >= 0 with M'u <= 0 and q'u < 0 in doubles, or, up to kLargestDecided, by trying every support. What is
-  /// not proven may still be unsolvable. Allocates only to try supports. @param deadline_s on wall_clock_s()
-  bool disproves(const Vector& z, double deadline_s);
+  /// have no solution. Asked for only where z, with zeros where w does not vanish, is no solution exactly, and its basis
+  /// does not clearly give one: by a vector u >= 0 with M'u <= 0 and q'u < 0 in doubles, or, up to kLargestDecided, by
+  /// trying every support. What is not proven may still be unsolvable. Allocates only to try supports.
+  /// @param deadline_s on wall_clock_s()
+  bool disproves(const Vector& answer, double deadline_s);
 
   /// The same without any z, such as after a ray of Lemke's method.
   bool disproves(double deadline_s);
@@ -60,13 +57,14 @@ class BareLcpTest {
   double scale(Index row) const;
   double row_error(Index row, const Vector& z) const;
   double row_error_in_quad(Index row, const Vector& z) const;
+  void find_basis(const Vector& z);
   bool has_clear_basis(const Vector& z);
   int sign_of_w(Index row, const Vector& z) const;
   bool exhausts(double deadline_s);
 
   const Lcp* lcp_ = nullptr;
   RowIslands islands_;
-  Vector row_norm_, w_;           // n
+  Vector row_norm_, w_, basis_;   // n
   std::vector<double> largest_;   // per block: the largest entry of z
   std::vector<Index> support_;    // n reserved; scratch of load()
   std::vector<char> candidates_;  // n

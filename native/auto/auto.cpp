@@ -56,8 +56,8 @@ double error_of(const AutoSettings& settings) {
   return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
 }
 
-/// What a user should call: an IslandRace for each island of contacts, LcpLadder for a bare LCP. Hands out the best
-/// answer that was tested. See docs/reference/solvers/auto.md.
+/// What a user should call: an IslandRace for each island of contacts, LcpLadder for each block of a bare LCP. Hands out
+/// the best answer that was tested. See docs/reference/solvers/auto.md.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
@@ -65,11 +65,14 @@ double error_of(const AutoSettings& settings) {
 /// the velocity where all methods gave one. SolveRequest::start should be the last answer: some methods begin from it,
 /// and StickingContacts.
 ///
-/// solve() allocates where a method is loaded that load() has not loaded: `allocation_free` is not promised.
+/// solve() allocates where a method is loaded that load() has not loaded, as for each of several blocks:
+/// `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {
-    if (settings.impulses == Impulses::kEven) even_ = std::make_unique<EvenImpulses>();
+    if (settings.impulses == Impulses::kEven) {
+      even_ = std::make_unique<EvenImpulses>(std::make_unique<Auto>(AutoSettings{}));
+    }
   }
   const Capabilities& capabilities() const override { return kCapabilities; }
 
@@ -82,9 +85,11 @@ class Auto final : public Solver {
   static bool has_rows_to_strip(const ContactProblem& contact);
   bool is_one_island(const ContactProblem& contact, Index idle) const;
   void load(const Problem& problem, bool to_hold);
+  void load_blocks(const Problem& problem);
   void load_whole(bool to_hold);
   void load_islands(const ContactProblem& contact, bool to_hold);
   AutoLimits limits_of(const SolveRequest& request) const;
+  void solve_blocks(const SolveRequest& request, Answer& answer);
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(const IslandOfProblem& island, Answer& answer) const;
@@ -97,6 +102,8 @@ class Auto final : public Solver {
 
   AutoSettings settings_;
   LcpLadder lcp_;
+  std::vector<std::vector<Index>> blocks_;  ///< rows of a bare LCP that M connects, where they are not all
+  Answer part_;
 
   std::shared_ptr<LaterEngines> later_;
   Methods shared_{later_};
@@ -121,7 +128,7 @@ class Auto final : public Solver {
 void Auto::load(const Problem& problem, bool to_hold) {
   is_whole_ = may_remain_ = false;
   const ContactProblem* contact = problem.contact();
-  if (contact == nullptr) return lcp_.load(problem);
+  if (contact == nullptr) return load_blocks(problem);
   v_ = contact->v;
   if (even_ != nullptr) even_->load(problem);
   const bool strips = has_rows_to_strip(*contact);
@@ -136,6 +143,16 @@ void Auto::load(const Problem& problem, bool to_hold) {
   may_remain_ = is_whole_ && !is_coupled;
   if (is_whole_) return load_whole(to_hold);
   load_islands(*contact, to_hold);
+}
+
+void Auto::load_blocks(const Problem& problem) {
+  const RowIslands islands = row_islands(problem.lcp().M);
+  blocks_.clear();
+  if (islands.count < 2) return lcp_.load(problem);
+  blocks_.resize(static_cast<std::size_t>(islands.count));
+  for (Index i = 0; i < problem.size(); ++i) {
+    blocks_[static_cast<std::size_t>(islands.of_row[static_cast<std::size_t>(i)])].push_back(i);
+  }
 }
 
 /// Whether friction has rows, but no impulse: they may be left out.
@@ -205,9 +222,7 @@ void Auto::on_update(const Vector& v) {
 void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
   if (problem().contact() == nullptr) {
-    const char* text = "";
-    lcp_.solve(request, answer, text);
-    answer.detail = text;
+    solve_blocks(request, answer);
   } else if (!(request.time_limit_s > 0)) {
     answer.claim = Claim::kTimeLimit;
   } else if (is_whole_) {
@@ -238,6 +253,43 @@ void Auto::make_even(double deadline_s, Answer& answer) {
     answer.velocity.resize(0);  // theirs is the same but for rounding
   }
   answer.detail += why.empty() ? "; even impulses" : "; impulses not even: " + why;
+}
+
+/// Each block may take the time that is left.
+void Auto::solve_blocks(const SolveRequest& request, Answer& answer) {
+  const char* text = "";
+  if (blocks_.empty()) {
+    lcp_.solve(request, answer, text);
+    answer.detail = text;
+    return;
+  }
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  const Lcp& whole = problem().lcp();
+  answer.claim = Claim::kSolved;
+  answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  answer.detail = std::to_string(blocks_.size()) + " blocks";
+  for (const std::vector<Index>& rows : blocks_) {
+    if (whole.q(rows).minCoeff() >= 0) continue;  // z = 0 solves it
+    const Problem block("", Lcp{whole.M(rows, rows), whole.q(rows)});
+    part_.reserve(block);
+    part_.clear();
+    lcp_.load(block);
+    lcp_.solve({.time_limit_s = deadline_s - wall_clock_s()}, part_, text);
+    answer.counters.iterations += part_.counters.iterations;
+    answer.counters.pivots += part_.counters.pivots;
+    answer.counters.factorizations += part_.counters.factorizations;
+    if (part_.claim == Claim::kSolved) answer.z(rows) = part_.z;
+    if (part_.claim == Claim::kSolved || (answer.claim != Claim::kSolved && part_.claim != Claim::kUnsolvable)) continue;
+    answer.claim = part_.claim;
+    answer.detail = "block of " + std::to_string(rows.size()) + " rows, from row " + std::to_string(rows.front()) +
+                    ": " + text;
+    if (part_.claim != Claim::kUnsolvable) continue;
+    answer.z.setZero();
+    if (part_.farkas.size() == 0) return;
+    answer.farkas = Vector::Zero(whole.size());
+    answer.farkas(rows) = part_.farkas;
+    return;
+  }
 }
 
 void Auto::solve_whole(const SolveRequest& request, Answer& answer) {

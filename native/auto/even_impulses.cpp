@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <utility>
 #include <variant>
 
 #include "core/timed_solve.h"
@@ -17,51 +17,29 @@ constexpr std::array kClasses{1e-9, 1e-6, 1e-4};
 constexpr double kNoise = 10;
 
 /// Added to the matrix, relative to the diagonal of J'J, so that it is regular. A step leaves about this part of what
-/// was left, over the least eigenvalue of the scaled matrix; the next one with the same factors takes it away.
-constexpr double kAdded = 1e-13;
+/// was left, over the least eigenvalue of the scaled matrix; the next one with the same factors takes it away. Where no
+/// part of a step leaves less, kMore times as much is added, up to about kMostAdded.
+constexpr double kAdded = 1e-13, kMore = 100, kMostAdded = 0.1;
 /// Of that diagonal over the masses, relative to the largest: less is the rounding of levers that are zero.
 constexpr double kLeastLever = 1e-16;
 
-/// Most problems take fewer than ten.
-constexpr std::int64_t kMostFactorizations = 200;
-/// The search ends where the slope along the step is at most this part of that at its beginning.
-constexpr double kFlat = 0.1;
-constexpr int kMostTries = 40;
-/// With so much of g left, the faces are known but for rounding.
-constexpr double kClose = 1e-10;
+/// From each start. Most problems take fewer than ten.
+constexpr int kMostFactorizations = 50;
+/// What is left has to fall by this part of itself times the step's length, which is halved down to the second.
+constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-10;
+/// With so much of g left, the pieces are known but for rounding; with more than the second, they are not.
+constexpr double kClose = 1e-10, kMostLeft = 1e-7;
 /// A step with the same factors that leaves more than this part made no progress. Four such steps in a row are the end.
 constexpr double kProgress = 0.5;
 constexpr int kMostIdle = 4, kMostRefinements = 5;
+/// Compliance of the soft contacts that give a start, over the mean M_nn.
+constexpr double kSoft = 1e-6;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 double class_of(double residual) {
   const auto own = std::find_if(kClasses.begin(), kClasses.end(), [&](double most) { return residual <= most; });
   return own == kClasses.end() ? 0 : *own;
-}
-
-Eigen::Vector3d project_on_ray(const Eigen::Vector3d& ray, const Eigen::Vector3d& point, Eigen::Matrix3d& slope) {
-  const Eigen::Vector3d unit = ray.normalized();
-  const double along = unit.dot(point);
-  if (along > 0) {
-    slope = unit * unit.transpose();
-    return along * unit;
-  }
-  slope.setZero();
-  return Eigen::Vector3d::Zero();
-}
-
-/// On all that is between two rays of the same length.
-Eigen::Vector3d project_between(const Eigen::Vector3d& first, const Eigen::Vector3d& second,
-                                const Eigen::Vector3d& point, Eigen::Matrix3d& slope) {
-  const Eigen::Vector3d sum = first + second, difference = second - first;
-  const Eigen::Vector3d middle = sum.normalized(), across = difference.normalized();
-  const double along = middle.dot(point), aside = across.dot(point);
-  if (!(std::abs(aside) * sum.norm() <= along * difference.norm())) {
-    return project_on_ray(aside < 0 ? first : second, point, slope);
-  }
-  slope = middle * middle.transpose() + across * across.transpose();
-  return along * middle + aside * across;
 }
 
 }  // namespace
@@ -99,56 +77,50 @@ bool EvenImpulses::prepare() {
   }
   diagonal = diagonal.cwiseMax(kLeastLever * (diagonal.array() / masses_.array()).maxCoeff() * masses_);
   BlockInertia added;
-  for (const double each : diagonal) added.blocks.push_back(Matrix::Constant(1, 1, kAdded * each));
+  for (const double each : diagonal) added.blocks.push_back(Matrix::Constant(1, 1, each));
   matrix_.load(added, rows_);
   test_.load(*problem_, AnswerTest::Bodies::kOneByOne, &state_.units.numbers());
   set_velocity(v_);
   return true;
 }
 
-Eigen::Vector3d EvenImpulses::ray(std::size_t contact, Index direction) const {
-  const Eigen::Vector2d friction = state_.mu(static_cast<Index>(contact)) * polygons_.of(contact)->direction(direction);
-  return {1, friction(0), friction(1)};
-}
-
 /// What the contact may carry at the velocity of state_. @param still velocities up to this one count as zero
-EvenImpulses::Cone EvenImpulses::cone_of(std::size_t contact, double still) const {
+EvenImpulses::Section EvenImpulses::section_of(std::size_t contact, double still) const {
+  using Form = Section::Form;
   const auto i = static_cast<Index>(contact);
   const ContactProblem& problem = *problem_->contact();
-  if (problem.normal_compliance(i) > 0 || problem.tangential_compliance(i) > 0) return {.form = Cone::Form::kKept};
+  if (problem.normal_compliance(i) > 0 || problem.tangential_compliance(i) > 0) return {Form::kKept};
   if (!(state_.normal_velocity(i) <= still)) return {};
-  if (rows_[contact].friction < 0 || !(state_.mu(i) > 0)) return {.rays = 1, .first = Eigen::Vector3d::UnitX()};
+  if (rows_[contact].friction < 0 || !(state_.mu(i) > 0)) return {Form::kNormal};
   const FrictionPolygon& polygon = *polygons_.of(contact);
   const Eigen::Vector2d slip =
       pull(contact, state_.u).tail<2>() + state_.creep(state_.frictions[at(rows_[contact].friction)]);
   const Index side = polygon.side_of(-slip);  // the directions of its corners are the most against the slip
-  const double lambda = -std::min(polygon.direction(side).dot(slip), polygon.direction(side + 1).dot(slip));
-  const bool sticks = lambda <= still;
-  Cone cone;
-  if (sticks && polygon.edges() > 2) cone.form = Cone::Form::kPyramid;
-  for (const Index k : {side, side + 1}) {
-    const bool may_push = sticks || lambda + polygon.direction(k).dot(slip) <= still;
-    if (may_push) (cone.rays++ == 0 ? cone.first : cone.second) = ray(contact, k);
-  }
-  return cone;
+  const double first = polygon.direction(side).dot(slip), second = polygon.direction(side + 1).dot(slip);
+  if (-std::min(first, second) <= still) return {Form::kPolygon};
+  if (std::abs(first - second) <= still) return {Form::kSide, side};
+  return {Form::kCorner, first < second ? side : side + 1};
 }
 
-/// The nearest point of the contact's cone, and how it moves with the point.
-Eigen::Vector3d EvenImpulses::project(std::size_t contact, const Eigen::Vector3d& point, Eigen::Matrix3d& slope) const {
-  const Cone& cone = cones_[contact];
-  if (cone.form == Cone::Form::kPyramid) {
-    // The pyramid is its own mirror image at each plane through the normal and a corner: what is nearest to a point is
-    // between the same two corners.
-    const Index side = polygons_.of(contact)->side_of(point.tail<2>());
-    const Eigen::Vector3d first = ray(contact, side), second = ray(contact, side + 1);
-    if (!(first.cross(second).dot(point) >= 0)) return project_between(first, second, point, slope);
-    slope.setIdentity();
-    return point;
-  }
-  if (cone.rays == 2) return project_between(cone.first, cone.second, point, slope);
-  if (cone.rays == 1) return project_on_ray(cone.first, point, slope);
+/// The impulses of a contact that yields by as much as it carries, and how they move with the point: the normal one is
+/// that of the point if it is above zero, friction is the nearest in the section.
+Eigen::Vector3d EvenImpulses::carry(std::size_t contact, const Eigen::Vector3d& point, Eigen::Matrix3d& slope) const {
+  using Form = Section::Form;
+  const Section& section = sections_[contact];
   slope.setZero();
-  return Eigen::Vector3d::Zero();
+  if (section.form == Form::kNothing || section.form == Form::kKept || !(point(0) > 0)) return Eigen::Vector3d::Zero();
+  slope(0, 0) = 1;
+  if (section.form == Form::kNormal) return {point(0), 0, 0};
+  const FrictionPolygon& polygon = *polygons_.of(contact);
+  const double mu = state_.mu(static_cast<Index>(contact)), size = mu * point(0);
+  const Eigen::Vector2d other = point.tail<2>(), corner = polygon.direction(section.corner);
+  const FrictionPolygon::Nearest friction =
+      section.form == Form::kPolygon ? polygon.nearest(other, size)
+      : section.form == Form::kSide  ? polygon.nearest_on_side(section.corner, other, size)
+                                     : FrictionPolygon::Nearest{size * corner, Eigen::Matrix2d::Zero(), corner};
+  slope.bottomLeftCorner<2, 1>() = mu * friction.growth;
+  slope.bottomRightCorner<2, 2>() = friction.slope;
+  return {point(0), friction.point(0), friction.point(1)};
 }
 
 /// J_c y
@@ -170,79 +142,108 @@ double EvenImpulses::size_of(const Vector& left) const {
   return std::sqrt((left.array().square() / masses_.array()).sum());
 }
 
-/// Sets the cones, g, and where the method begins: the first step takes each cone for the space that it spans.
-void EvenImpulses::find_cones(double still) {
-  const Index ngc = masses_.size();
+/// Sets the sections and g.
+void EvenImpulses::find_sections(double still) {
   net_.resize(3, state_.contacts);
   net_impulses(state_, net_);
-  sum_.setZero(ngc);
-  whole_.setZero(ngc);
-  cones_.resize(rows_.size());
+  sum_.setZero(masses_.size());
+  whole_.setZero(masses_.size());
+  sections_.resize(rows_.size());
+  Eigen::Matrix3d slope;
+  for (std::size_t c = 0; c < rows_.size(); ++c) {
+    sections_[c] = section_of(c, still);
+    const Eigen::Vector3d own = net_.col(static_cast<Index>(c)), inside = carry(c, own, slope);
+    // An impulse that is outside by more than noise shows that the contact slips so little that no side is certain.
+    const double outside = state_.columns.diagonal(static_cast<Index>(c)) * (own - inside).norm();
+    if (!(outside <= still)) sections_[c].form = Section::Form::kKept;
+    if (sections_[c].form == Section::Form::kKept) continue;
+    subtract(c, -inside, sum_);
+    subtract(c, -own, whole_);
+  }
+}
+
+/// Begins with contacts that all press, with friction inside of its section.
+void EvenImpulses::begin() {
   for (Point* point : {&now_, &next_}) {
     point->impulse.setZero(3, state_.contacts);
     point->slope.resize(rows_.size());
   }
-  for (std::size_t c = 0; c < rows_.size(); ++c) {
-    Cone& cone = cones_[c];
-    Eigen::Matrix3d& slope = now_.slope[c];
-    cone = cone_of(c, still);
-    const Eigen::Vector3d own = net_.col(static_cast<Index>(c)), inside = project(c, own, slope);
-    // An impulse that is outside by more than noise shows that the contact slips so little that no face is certain.
-    const double outside = state_.columns.diagonal(static_cast<Index>(c)) * (own - inside).norm();
-    if (cone.form == Cone::Form::kKept || !(outside <= still)) {
-      cone = {.form = Cone::Form::kKept};
-      slope.setZero();
-      continue;
-    }
-    subtract(c, -inside, sum_);
-    subtract(c, -own, whole_);
-    if (cone.rays > 0) project(c, cone.first + cone.second, slope);
-    if (cone.form == Cone::Form::kPyramid) slope.setIdentity();
-  }
-  now_.y.setZero(ngc);
+  for (std::size_t c = 0; c < rows_.size(); ++c) carry(c, Eigen::Vector3d::UnitX(), now_.slope[c]);
+  now_.y.setZero(masses_.size());
   now_.left = sum_;
 }
 
-/// Goes along the step about as far as the dual function rises. @returns false where it does not rise
-bool EvenImpulses::search() {
-  const double rise = now_.left.dot(step_);
-  double low = 0, at_low = rise, high = std::numeric_limits<double>::infinity(), at_high = 0, length = 1;
-  if (!(rise > 0)) return false;
-  for (int tries = 1;; ++tries) {
-    next_.y = now_.y + length * step_;
-    next_.left = sum_;
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-      const Eigen::Vector3d impulse = project(c, pull(c, next_.y), next_.slope[c]);
-      next_.impulse.col(static_cast<Index>(c)) = impulse;
-      if (impulse(0) != 0) subtract(c, impulse, next_.left);
-    }
-    const double slope = next_.left.dot(step_);
-    if (std::abs(slope) <= kFlat * rise || tries == kMostTries) break;
-    (slope > 0 ? low : high) = length;
-    (slope > 0 ? at_low : at_high) = slope;
-    const double share = std::clamp(at_low / (at_low - at_high), 0.1, 0.9);
-    length = std::isinf(high) ? 2 * length : low + share * (high - low);
+/// Begins with the y of contacts that are a little soft. @returns false where they have no answer
+bool EvenImpulses::begin_softly(double deadline_s) {
+  ContactProblem contact = *problem_->contact();
+  contact.v = v_;
+  const double soft = kSoft * state_.columns.diagonal.head(state_.contacts).mean();
+  if (contact.compliance_n.size() == 0) contact.compliance_n.setZero(contact.nc());
+  if (contact.compliance_t.size() == 0) contact.compliance_t.setZero(contact.nc());
+  for (Index i = 0; i < contact.nc(); ++i) {
+    if (sections_[at(i)].form == Section::Form::kKept) continue;
+    contact.compliance_n(i) = soft;
+    contact.compliance_t(i) = contact.edges[at(i)] > 0 ? soft : 0;
   }
-  std::swap(now_, next_);
+  softened_.emplace(problem_->name(), std::move(contact));
+  solver_->load(*softened_);
+  candidate_.reserve(*softened_);
+  solver_->solve({.time_limit_s = deadline_s - wall_clock_s()}, candidate_);
+  if (candidate_.claim != Claim::kSolved) return false;
+  state_.impulse = own_;
+  state_.recompute_velocity();
+  now_.y = state_.u;
+  state_.set_impulses(candidate_.z);
+  now_.y = (now_.y - state_.u) / soft;
+  find_left(now_);
   return true;
 }
 
-/// @returns false where the method does not end
-bool EvenImpulses::maximise(double deadline_s) {
+/// From its y all that a point has.
+void EvenImpulses::find_left(Point& point) const {
+  point.left = sum_;
+  for (std::size_t c = 0; c < rows_.size(); ++c) {
+    const Eigen::Vector3d impulse = carry(c, pull(c, point.y), point.slope[c]);
+    point.impulse.col(static_cast<Index>(c)) = impulse;
+    if (impulse(0) != 0) subtract(c, impulse, point.left);
+  }
+}
+
+/// Goes along the step. @returns false where no part of it leaves less
+bool EvenImpulses::search() {
+  const double size = size_of(now_.left);
+  for (double length = 1; length >= kShortestStep; length /= 2) {
+    next_.y = now_.y + length * step_;
+    find_left(next_);
+    if (!(size_of(next_.left) < (1 - kLeastFall * length) * size)) continue;
+    std::swap(now_, next_);
+    return true;
+  }
+  return false;
+}
+
+/// @returns whether nothing is left but rounding
+bool EvenImpulses::balance(double deadline_s) {
   factored_.clear();
   const double whole = size_of(sum_);
-  double size = whole, least = whole;
+  const std::int64_t most = factorizations_ + kMostFactorizations;
+  double size = size_of(now_.left), least = size, added = kAdded;
   for (int idle = 0; size > kClose * whole && idle < kMostIdle;) {
     const bool is_same = now_.slope == factored_;
     if (!is_same) {
-      if (factorizations_ == kMostFactorizations || !(wall_clock_s() < deadline_s)) return false;
+      if (factorizations_ == most || !(wall_clock_s() < deadline_s)) return false;
       ++factorizations_;
       factored_ = now_.slope;
-      if (!matrix_.factor(factored_)) return false;
+      if (!matrix_.factor(factored_, added)) return false;
     }
     step_ = now_.left;
     matrix_.solve(step_);
-    if (!search()) return false;
+    if (!search()) {
+      if (added >= kMostAdded) break;
+      added *= kMore;
+      factored_.clear();
+      continue;
+    }
     size = size_of(now_.left);
     const bool has_progress = size <= kProgress * least;
     least = std::min(least, size);
@@ -252,11 +253,11 @@ bool EvenImpulses::maximise(double deadline_s) {
       ++idle;
     }
   }
-  return std::isfinite(size);
+  return size <= kMostLeft * whole;
 }
 
 /// Steps of the impulses themselves, which lose less to rounding than those of y, on the larger one of each contact's
-/// last two faces. They aim at the sum of the answer's impulses as they are.
+/// last two pieces. They aim at the sum of the answer's impulses as they are.
 void EvenImpulses::refine() {
   if (factored_.empty()) return;  // nothing is carried
   if (now_.slope != factored_) {
@@ -287,10 +288,9 @@ void EvenImpulses::refine() {
 
 /// The impulses become those of state_. Contacts that keep theirs keep their directions, too.
 void EvenImpulses::take_impulses() {
-  own_ = state_.impulse;
   set_net_impulses(now_.impulse, polygons_, state_);
-  for (std::size_t c = 0; c < cones_.size(); ++c) {
-    if (cones_[c].form != Cone::Form::kKept) continue;
+  for (std::size_t c = 0; c < sections_.size(); ++c) {
+    if (sections_[c].form != Section::Form::kKept) continue;
     const auto i = static_cast<Index>(c);
     state_.impulse(i) = own_(i);
     if (rows_[c].friction < 0) continue;
@@ -301,6 +301,18 @@ void EvenImpulses::take_impulses() {
   state_.recompute_velocity();
 }
 
+/// @returns why the impulses at the y of now_ are none; "" if candidate_ has them
+const char* EvenImpulses::settle(double most, double deadline_s) {
+  refine();
+  take_impulses();
+  if (!(state_.residual() <= most * state_.q_max)) return "their residual would be larger";
+  candidate_.reserve(*problem_);
+  candidate_.claim = Claim::kSolved;
+  candidate_.z.resize(problem_->size());
+  state_.write_answer(candidate_.z);
+  return test_.settle(candidate_, deadline_s) ? "" : "they do not pass the test";
+}
+
 const char* EvenImpulses::distribute(double allowed, double deadline_s, Answer& answer) {
   factorizations_ = 0;
   const ContactProblem& contact = *problem_->contact();
@@ -308,21 +320,18 @@ const char* EvenImpulses::distribute(double allowed, double deadline_s, Answer& 
   if (is_soft || (answer.z.head(contact.nc() + cols(contact.D)).array() == 0).all()) return "";
   if (!prepare()) return "friction directions are no regular polygon";
   state_.set_impulses(answer.z);
+  own_ = state_.impulse;
   const double residual = state_.residual() / state_.q_max, most = class_of(residual);
   if (!(most > 0)) return "the residual is above 1e-4 in double";
-  find_cones(state_.q_max * std::min(most, std::max(kNoise * residual, kClasses[0])));
-  if (!maximise(deadline_s)) return "none were found";
-  refine();
-  take_impulses();
-  if (!(state_.residual() <= most * state_.q_max)) return "their residual would be larger";
-  candidate_.reserve(*problem_);
-  candidate_.claim = Claim::kSolved;
-  candidate_.z.resize(answer.z.size());
-  state_.write_answer(candidate_.z);
+  find_sections(state_.q_max * std::min(most, std::max(kNoise * residual, kClasses[0])));
   test_.allow(allowed);
-  if (!test_.settle(candidate_, deadline_s)) return "they do not pass the test";
-  answer.z = candidate_.z;
-  return "";
+  begin();
+  const char* why = balance(deadline_s) ? settle(most, deadline_s) : "none were found";
+  if (*why != '\0' && begin_softly(deadline_s)) {
+    why = balance(deadline_s) ? settle(most, deadline_s) : "none were found";
+  }
+  if (*why == '\0') answer.z = candidate_.z;
+  return why;
 }
 
 }  // namespace lcpbench

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/problem.h"
@@ -12,26 +15,34 @@
 
 namespace lcpbench {
 
-/// Of all impulses that give an answer's velocity and satisfy every condition of contact there, those of the least sum
-/// of f_N^2 + |f_T|^2, f_T = C f_D the net friction. Soft contacts keep their impulses: the velocity decides them.
+/// The impulses that an answer's velocity v+ has if all hard contacts yield by the same compliance r, in the limit of
+/// r = 0: w_N = N'v + b + r f_N, and r f_T for the net friction f_T = C f_D alike (see ContactProblem). They satisfy
+/// every condition of contact at v+. Soft contacts keep their impulses: the velocity decides them.
 ///
-/// At a given velocity the impulse of a contact is in a cone: zero if it separates, the pyramid if it sticks, and if it
-/// slides the face of the pyramid that dissipates the most. With J_c the rows of a contact's normal and tangents, P_c
-/// the projection on its cone, and g the sum of J_c'f_c of the answer, f_c = P_c(J_c y) for the y that maximises
-/// g'y - 1/2 sum |P_c(J_c y)|^2, the dual problem. It is concave, and quadratic by pieces: Newton's method with a
-/// search along each step. [Qi, Sun 1993, A nonsmooth version of Newton's method]
+/// With J_c the rows of a contact's normal and tangents, and y = (v+ - v) / r, the contact carries f_c(J_c y): the
+/// normal impulse n is that of J_c y if it is above zero and the contact does not separate; the friction is the point
+/// nearest to that of J_c y in the polygon of size mu n if the contact sticks, and if it slides in the corner or side
+/// that dissipates the most. The size of the polygon does not push back on n: f is the projection on the pyramid, and
+/// its sum of squares the least one, only where contacts stick and press with friction below its limit. With g the sum
+/// of J_c'f_c of the answer, sum J_c'f_c(J_c y) = g is an equation for y that is linear by pieces: Newton's method with
+/// a search along each step, from zero, and if that fails from the y of contacts of a small compliance. [Qi, Sun 1993,
+/// A nonsmooth version of Newton's method]
 ///
-/// Each set of faces that it passes costs one LU factorization of a matrix of the pairs of coordinates that contacts
-/// couple.
+/// Each set of pieces that it passes costs one LU factorization of a matrix of the pairs of coordinates that contacts
+/// couple. If v+ is not the limit of v, no y exists.
 class EvenImpulses {
  public:
+  /// @param solver of contacts of a small compliance
+  explicit EvenImpulses(std::unique_ptr<Solver> solver) : solver_(std::move(solver)) {}
+
   /// @param problem with contacts; must outlive the next load
   void load(const Problem& problem);
   /// Another velocity before the impact. @pre load() was called
   void set_velocity(const Vector& v);
 
   /// Replaces the impulses of a solved answer; its velocity stays. An answer keeps its own impulses if the others do
-  /// not pass AnswerTest, or if their residual is in a larger class: 1e-9, 1e-6 or 1e-4 relative to max|q|.
+  /// not pass AnswerTest, or if their residual is in a larger class: 1e-9, 1e-6 or 1e-4 relative to max|q|. Allocates
+  /// where zero is no start.
   /// @param allowed see AnswerTest::allow() @returns why the answer keeps its own; "" if it does not
   const char* distribute(double allowed, double deadline_s, Answer& answer);
 
@@ -39,14 +50,14 @@ class EvenImpulses {
   std::int64_t factorizations() const { return factorizations_; }
 
  private:
-  /// What a contact may carry: all that is between no, one or two rays (1, mu d), or the pyramid. Or it keeps its own.
-  struct Cone {
-    enum class Form { kRays, kPyramid, kKept };
-    Form form = Form::kRays;
-    int rays = 0;
-    Eigen::Vector3d first = Eigen::Vector3d::Zero(), second = Eigen::Vector3d::Zero();
+  /// What a contact may carry with the normal impulse n: n alone, or with friction at a corner, on a side or anywhere
+  /// in the polygon of size mu n. Or it carries nothing, or keeps its own.
+  struct Section {
+    enum class Form { kNothing, kNormal, kCorner, kSide, kPolygon, kKept };
+    Form form = Form::kNothing;
+    Index corner = 0;  ///< of a side the first
   };
-  /// A y, the impulses P_c(J_c y), their slopes by J_c y, and what is left of g.
+  /// A y, the impulses that it gives, their slopes by J_c y, and what is left of g.
   struct Point {
     Vector y, left;
     Eigen::Matrix3Xd impulse;
@@ -54,18 +65,23 @@ class EvenImpulses {
   };
 
   bool prepare();
-  Cone cone_of(std::size_t contact, double still) const;
-  Eigen::Vector3d ray(std::size_t contact, Index direction) const;
-  Eigen::Vector3d project(std::size_t contact, const Eigen::Vector3d& point, Eigen::Matrix3d& slope) const;
+  Section section_of(std::size_t contact, double still) const;
+  Eigen::Vector3d carry(std::size_t contact, const Eigen::Vector3d& point, Eigen::Matrix3d& slope) const;
   Eigen::Vector3d pull(std::size_t contact, const Vector& y) const;
   void subtract(std::size_t contact, const Eigen::Vector3d& impulse, Vector& from) const;
   double size_of(const Vector& left) const;
-  void find_cones(double still);
-  bool maximise(double deadline_s);
+  void find_sections(double still);
+  void begin();
+  bool begin_softly(double deadline_s);
+  void find_left(Point& point) const;
   bool search();
+  bool balance(double deadline_s);
   void refine();
   void take_impulses();
+  const char* settle(double most, double deadline_s);
 
+  std::unique_ptr<Solver> solver_;
+  std::optional<Problem> softened_;  ///< that it holds
   const Problem* problem_ = nullptr;
   bool is_prepared_ = false;
   bool is_regular_ = false;
@@ -76,10 +92,10 @@ class EvenImpulses {
   ContactPolygons polygons_;
   NewtonMatrix matrix_;
   Vector masses_;  ///< the diagonal of G, ones where it is not given
-  std::vector<Cone> cones_;
+  std::vector<Section> sections_;
   Vector own_;            ///< impulses of the answer, as in ContactImpulses
   Eigen::Matrix3Xd net_;  ///< the same along normals and tangents
-  Vector sum_, whole_;    ///< g of impulses brought into their cones, and as they are
+  Vector sum_, whole_;    ///< g of impulses brought into their sections, and as they are
   Point now_, next_;
   Vector step_;
   std::vector<Eigen::Matrix3d> factored_;  ///< the slopes of the factors

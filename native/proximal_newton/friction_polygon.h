@@ -47,24 +47,25 @@ class FrictionPolygon {
 
   Nearest nearest(const Point& other, double size) const {
     if (!(size > 0)) return {Point::Zero(), Eigen::Matrix2d::Zero(), Point::Zero()};
-    if (edges_ == 2) return on_line(other(0), size);
-    Nearest found{other, Eigen::Matrix2d::Identity(), Point::Zero()};
+    if (edges_ == 2) return nearest_on_side(0, other, size);
     const Index side = side_of(other);
-    const Point first = direction(side), second = direction(side + 1);
+    const Point first = direction(side), along = (direction(side + 1) - first).normalized(),
+                outward(along(1), -along(0));
+    if (outward.dot(other) <= outward.dot(first) * size) return {other, Eigen::Matrix2d::Identity(), Point::Zero()};
+    return nearest_on_side(side, other, size);
+  }
+
+  /// The same of the side between corners k and k + 1 alone, which of two edges is the polygon.
+  Nearest nearest_on_side(Index k, const Point& other, double size) const {
+    const Point first = direction(k), second = direction(k + 1);
     const Point along = (second - first).normalized(), outward(along(1), -along(0));
-    const double distance = outward.dot(first);
-    if (outward.dot(other) <= distance * size) return found;
     const double least = along.dot(first) * size, most = along.dot(second) * size, at = along.dot(other);
     if (at > least && at < most) {
-      found.point = distance * size * outward + at * along;
-      found.slope = along * along.transpose();
-      found.growth = distance * outward;
-    } else {
-      found.growth = at <= least ? first : second;
-      found.point = size * found.growth;
-      found.slope.setZero();
+      const double distance = outward.dot(first);
+      return {distance * size * outward + at * along, along * along.transpose(), distance * outward};
     }
-    return found;
+    const Point corner = at <= least ? first : second;
+    return {size * corner, Eigen::Matrix2d::Zero(), corner};
   }
 
   /// A point as impulses >= 0 along two neighbouring directions, with the least sum. Of two edges: one impulse of
@@ -84,16 +85,6 @@ class FrictionPolygon {
 
  private:
   static double cross(const Point& a, const Point& b) { return a(0) * b(1) - a(1) * b(0); }
-
-  Nearest on_line(double other, double size) const {
-    Nearest found{Point(std::clamp(other, -size, size), 0), Eigen::Matrix2d::Zero(), Point::Zero()};
-    if (std::abs(other) < size) {
-      found.slope(0, 0) = 1;
-    } else {
-      found.growth(0) = other < 0 ? -1 : 1;
-    }
-    return found;
-  }
 
   Index edges_;
   Eigen::Matrix2Xd directions_;  ///< the first once more at the end

@@ -84,8 +84,8 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
   ordered_.resize(size);
 }
 
-bool NewtonMatrix::factor(const std::vector<Eigen::Matrix3d>& slopes) {
-  entries_ = G_entries_;
+bool NewtonMatrix::factor(const std::vector<Eigen::Matrix3d>& slopes, double weight) {
+  for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k] = weight * G_entries_[k];
   work_ = kWorkOfPivoting * factors_->cost().factor;
   for (std::size_t c = 0; c < slopes.size(); ++c) {
     if (!(slopes[c](0, 0) > 0)) continue;

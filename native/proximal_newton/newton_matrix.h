@@ -9,7 +9,7 @@
 
 namespace lcpbench {
 
-/// G + sum of J_i' slope_i J_i over contacts i, and its LU factors.
+/// weight G + sum of J_i' slope_i J_i over contacts i, and its LU factors.
 class NewtonMatrix {
  public:
   /// Finds the places of all entries, and an order of elimination. @pre G is given, or has factors
@@ -21,7 +21,7 @@ class NewtonMatrix {
   /// Cost: that of the pairs of coordinates that each contact moves, and of the elimination. Does not allocate.
   /// @param slopes 3 x 3, one for each contact; a zero first entry stands for a zero matrix
   /// @returns whether every pivot was found
-  bool factor(const std::vector<Eigen::Matrix3d>& slopes);
+  bool factor(const std::vector<Eigen::Matrix3d>& slopes, double weight = 1);
   /// x := its inverse times x. @pre factor() was true
   void solve(Vector& x);
 

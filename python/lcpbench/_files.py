@@ -44,6 +44,12 @@ class Step:
     impulses: Any = None  #: the engine's own, f_N of each contact and f_D of each friction direction [N s]
     velocity: Any = None  #: (ngc,): the engine's own velocity after the step
 
+    def __post_init__(self) -> None:
+        ids = self.contact_ids
+        named = isinstance(self.problem, Problem) and isinstance(ids, list) and len(ids) == self.problem.nc
+        if named and all(isinstance(each, str) for each in ids or []):
+            self.problem._contact_names = list(ids or [])
+
 
 class Scenes:
     """The captured steps of a file `F.scenes`, each read when asked for: `len(scenes)`, `scenes[0]`, iteration.

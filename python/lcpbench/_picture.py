@@ -77,7 +77,7 @@ def _svg(problem: Problem, answers: Sequence[Any]) -> str:
                      f"<text x='{LEFT + 16}' y='{13 + 16 * k}'>{escape(answer.solver)}: {answer.verdict}</text>")
     for i in range(shown):
         y = top + i * group
-        parts.append(f"<text x='4' y='{y + 11}'>contact {i + 1}</text>")
+        parts.append(f"<text x='4' y='{y + 11}'>contact {i}</text>")
         for k, rows in enumerate(impulses):
             at, normal, friction = y + ROW_HEIGHT * k, rows[i, 0], float(np.hypot(rows[i, 1], rows[i, 2]))
             limit = LEFT + scale * max(problem.mu[i] * normal, 0)

@@ -51,6 +51,27 @@ def _columns(value: Any, name: str) -> int:
     return int(shape[1])
 
 
+def _checked(value: Any, name: str) -> Any:
+    """A matrix of scipy.sparse whose pointers and indices fit its shape; anything else as it is. Neither scipy's own
+    constructors nor its conversions look at all of them."""
+    if not hasattr(value, "tocsc"):
+        return value
+    try:
+        for field in ("indptr", "indices", "row", "col"):
+            if getattr(value, field, np.arange(0)).dtype.kind not in "iu":
+                raise ValueError(f"{field} holds {getattr(value, field).dtype}, expected integers")
+        if hasattr(value, "check_format"):
+            value.check_format(full_check=True)
+            return value
+        value = value.tocoo()
+        for index, size in zip((value.row, value.col), value.shape):
+            if len(index) != len(value.data) or np.any((index < 0) | (index >= size)):
+                raise ValueError("an index is outside of its shape")
+        return value
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is no sparse matrix: {error}") from None
+
+
 def _edge_counts(edges: Any, nc: int, friction: int) -> list[int]:
     if edges is None:
         if nc == 0 or friction % nc != 0:
@@ -121,14 +142,16 @@ class Problem:
         TypeError: an argument holds no numbers.
     """
 
-    __slots__ = ("_data",)
+    __slots__ = ("_data", "_contact_names")
     _data: _native.Problem
+    _contact_names: list[str]  # for sentences: those of the Step that it is part of
 
     def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
                  edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
                  offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
                  name: str = "problem", validate: bool = True) -> None:
         _name(name)
+        self._contact_names = []
         if M is not None or q is not None:
             others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
                           compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
@@ -147,9 +170,10 @@ class Problem:
         if kind == "G" and (isinstance(value, (list, tuple)) and value and len(_shape(value[0], "G[0]")) == 2):
             kind = "G_blocks"
         elif kind == "G" and hasattr(value, "toarray"):
-            value = value.toarray()
+            value = _checked(value, "G").toarray()
         if kind == "G_factors" and (not isinstance(value, (tuple, list)) or len(value) != 2):
             raise InputError("G_factors: expected the pair (X, alpha)")
+        N, D, tangents = _checked(N, "N"), _checked(D, "D"), _checked(tangents, "tangents")
         nc = _columns(N, "N")
         if tangents is not None and (D is not None or edges is not None):
             raise InputError("tangents stand in place of D and edges, not beside them")
@@ -177,7 +201,7 @@ class Problem:
     @classmethod
     def _of(cls, data: _native.Problem) -> Problem:
         result = cls.__new__(cls)
-        result._data = data
+        result._data, result._contact_names = data, []
         return result
 
     @classmethod

@@ -36,7 +36,7 @@ class Verdict:
     """What an answer is, by code that knows no solver. True in an `if` where the answer is solved."""
 
     verdict: str  #: "solved", "wrong", "unsolvable", "refused", "missed" or "open"
-    residual: float  #: of contacts: relative, of velocities, up to 1e-4 is solved; of a bare LCP: up to 1e-9
+    residual: float  #: relative; solved up to 1e-4 of contacts and 1e-6 of a bare LCP, or up to `solved_at`
     worst: str  #: why it is not solved, in words; "" where solved
     worst_row: int  #: of the LCP, counted from 0; -1: none
     model: str  #: "pyramid", "cone" or "convex": the model of friction that it was measured by
@@ -50,11 +50,14 @@ class Verdict:
         return f"{self.verdict}, residual {self.residual:.3g}" + (f": {self.worst}" if self.worst else "")
 
 
-def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str) -> Verdict:
-    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail))
+def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str,
+           solved_at: float = 0) -> Verdict:
+    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail, problem._contact_names,
+                                  solved_at))
 
 
-def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid") -> Verdict:
+def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid",
+          solved_at: float | None = None) -> Verdict:
     """Judges an answer, whoever found it, against the data of the problem alone.
 
     Args:
@@ -65,6 +68,7 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
         velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
         model: "pyramid", the problem's own friction, "cone", the round Coulomb cone around its
             tangents, or "convex", its convex relaxation.
+        solved_at: the largest residual of a solved answer, in (0, 1]; None: 1e-4 of contacts, 1e-6 of a bare LCP.
 
     Returns:
         A `Verdict`. The answer counts as said solved: "wrong" where it is not.
@@ -75,7 +79,10 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
     """
     _problem(problem)
     z = _native.complete_answer(problem._data, impulses, _text(model, "model"))
-    return _judge(problem, "solved", z, velocity, None, model, "")
+    bound = 0.0 if solved_at is None else _number(solved_at, "solved_at")
+    if solved_at is not None and not 0 < bound <= 1:
+        raise InputError(f"solved_at is {solved_at!r}, expected a number in (0, 1]")
+    return _judge(problem, "solved", z, velocity, None, model, "", bound)
 
 
 class Answer:
@@ -193,7 +200,7 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         solver: a name with settings, such as "auto" or "contact_lemke{precision=quad}": see `available_solvers`.
             Solvers of other libraries run in the installed program `lcpbench`, with one thread.
         error: [m/s], instead of a solver: the largest residual of the round Coulomb cone that is good enough. The
-            pyramid is tried by `auto` first, and then the cone.
+            pyramid is tried by `auto` first, and then the cone. An answer of a larger residual claims nothing.
         start: (n,), or an Answer: a guess at z, for native solvers that use one, and not with error. Of many problems a
             list of these or None.
         time_limit: wall clock of each solve [s]; with error a problem may take two solves.
@@ -203,7 +210,8 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         An Answer, or a list of them in the order of the problems. Numerical trouble is a claim, never an exception.
 
     Raises:
-        InputError: the solver or its settings are unknown, start has another length, or error stands beside them.
+        InputError: the solver or its settings are unknown, start has another length, or error stands beside them, or
+            beside friction directions that name no round cone.
     """
     one = isinstance(problem, Problem)
     if not one and not isinstance(problem, Iterable):
@@ -232,6 +240,9 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
 def _solve_to(problems: list[Problem], error: float, limit: float, threads: int) -> list[Answer]:
     if not error > 0:
         raise InputError(f"error is {error!r}, expected m/s > 0")
+    for i, problem in enumerate(problems):
+        if why := _native.why_no_round_cone(problem._data):
+            raise InputError(f"error: problem[{i}] has no round cone to measure by: {why}")
     answers: list[Answer | None] = [None] * len(problems)
     for solver in ("auto", "cone_ipm{cone=true}"):
         left = [i for i, each in enumerate(answers) if each is None or _cone_error(each) > error]
@@ -240,6 +251,10 @@ def _solve_to(problems: list[Problem], error: float, limit: float, threads: int)
             best = answers[i]
             if best is None or not _cone_error(answer) > _cone_error(best):
                 answers[i] = answer
+    for each in answers:
+        if each is not None and each.claim == "solved" and not (rest := _cone_error(each)) <= error:
+            each.claim, each._verdict = "numerical_failure", None
+            each.detail += f"{'; ' if each.detail else ''}the cone's conditions miss {error:g} m/s: {rest:.3g} m/s"
     return [each for each in answers if each is not None]
 
 

@@ -109,17 +109,22 @@ def _numbered(names: Iterable[str]) -> list[str]:
     return result
 
 
-def _row_ids(data: Any, rows: Iterable[int]) -> list[str]:
-    """The two geometries of a contact's row, or the joint or tendon at its limit, with their number."""
+def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
+    """The two geometries of a contact's row, or the joint or tendon at its limit, by name or else by index, with their
+    number."""
     import mujoco
 
     constraint = mujoco.mjtConstraint
     limits = {int(constraint.mjCNSTR_LIMIT_JOINT): "joint", int(constraint.mjCNSTR_LIMIT_TENDON): "tendon"}
+
+    def of(kind: str, index: int) -> str:
+        return mujoco.mj_id2name(model, getattr(mujoco.mjtObj, "mjOBJ_" + kind.upper()), int(index)) or str(index)
+
     geoms = np.asarray(data.contact.geom).reshape(-1, 2)
 
     def name(row: int) -> str:
         kind, index = limits.get(int(data.efc_type[row])), data.efc_id[row]
-        return f"{kind}-{index}" if kind else f"{geoms[index][1]}-{geoms[index][0]}"
+        return f"{kind}-{of(kind, index)}" if kind else "-".join(of("geom", each) for each in geoms[index][::-1])
 
     return _numbered(map(name, rows))
 
@@ -169,7 +174,7 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> tuple[Any, ...]:
     for each in outside:
         warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=3)
     limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
-    ids = _row_ids(data, [*at, *limits])
+    ids = _row_ids(model, data, [*at, *limits])
     none = np.zeros((len(limits), 2))
     gap = np.concatenate([np.asarray(contact.dist).ravel()[kept], np.asarray(data.efc_pos)[limits]])
     return (np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
@@ -191,6 +196,9 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
     import mujoco
 
     types = np.asarray(data.efc_type)
+    if model.opt.noslip_iterations > 0:
+        raise InputError("capture: soft=True takes models without noslip_iterations: they change the answer of "
+                         "MuJoCo's solver to one of no convex problem; set them to 0")
     if np.any(types == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC):
         raise InputError("capture: soft=True takes MuJoCo's pyramidal friction cones; this model has elliptic ones")
     h, M = model.opt.timestep, _full_inertia(model, data)
@@ -202,7 +210,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
     momentum += J[equal].T @ (target[equal] / R[equal])
     blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
     rows = range(data.ne + data.nf, data.nefc)
-    ids = _row_ids(data, rows)
+    ids = _row_ids(model, data, rows)
     kept = slice(rows.start, None)
     problem = Problem(G=blocks, N=_columns(J[kept]), v=_solve(blocks, momentum), b=-target[kept], compliance_n=R[kept],
                       name=name, validate=False)
@@ -234,7 +242,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
 
     Raises:
         InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are
-            elliptic.
+            elliptic or the model has noslip_iterations.
     """
     import mujoco
 

@@ -245,9 +245,10 @@ Vector complete_answer(const Problem& problem, const nb::object& value, const st
   return complete_impulses(contact, f);
 }
 
-/// The fields of Python's Verdict.
+/// The fields of Python's Verdict. @param solved_at  the verdict's bound; 0: that of the problem's kind
 nb::tuple judge(const Problem& problem, const std::string& claim, const Vector& z, const nb::object& velocity,
-                const nb::object& farkas, const std::string& model, const std::string& detail) {
+                const nb::object& farkas, const std::string& model, const std::string& detail,
+                const std::vector<std::string>& contact_names, double solved_at) {
   Answer answer;
   answer.claim = parse_claim(claim);
   answer.z = z;
@@ -255,24 +256,25 @@ nb::tuple judge(const Problem& problem, const std::string& claim, const Vector& 
   if (!velocity.is_none()) answer.velocity = vector(velocity, "velocity", contact_of(problem).ngc());
   if (!farkas.is_none()) answer.farkas = vector(farkas, "farkas");
   const FrictionModel friction = friction_model(model_of(model), problem);
-  JudgedAnswer judged{.claim = answer.claim, .detail = detail};
+  JudgedAnswer judged{.claim = answer.claim, .detail = detail, .contact_names = contact_names};
   Truth truth = Truth::kUnknown;
   {
     const nb::gil_scoped_release released;
     Evaluator evaluator(problem);
     Judgement judgement = evaluator.judge(answer);
-    Findings findings;
+    if (friction != FrictionModel::kPyramid) measure_friction(friction, problem, answer, judgement.errors);
+    if (solved_at > 0) judgement.errors.decide(solved_at);
     if (friction == FrictionModel::kPyramid) {
+      Findings findings;
       findings.add(judgement);
       if (evaluator.truth() == Truth::kSolvable) findings.add(Evidence::kTheory);
       truth = findings.truth();
-    } else {
-      measure_friction(friction, problem, answer, judgement.errors);
     }
     judged.errors = judgement.errors;
   }
   judged.verdict = verdict(answer.claim, judged.errors, truth);
   judged.truth = truth;
+  judged.model = friction;
   nb::dict errors;
   for (const Metric& metric : kMetrics) errors[metric.name] = judged.errors.*metric.value;
   std::string why;
@@ -283,10 +285,8 @@ nb::tuple judge(const Problem& problem, const std::string& claim, const Vector& 
 #else
   if (judged.verdict != Verdict::kSolved) why = "the worst row of z is " + std::to_string(judged.errors.worst.row);
 #endif
-  const double residual =
-      problem.contact() == nullptr ? judged.errors.backward_row_norm : judged.errors.velocity_residual_relative;
-  return nb::make_tuple(to_string(judged.verdict), residual, why, judged.errors.worst.row, to_string(friction),
-                        to_string(truth), errors);
+  return nb::make_tuple(to_string(judged.verdict), judged.errors.measure(), why, judged.errors.worst.row,
+                        to_string(friction), to_string(truth), errors);
 }
 
 std::vector<ContactId> ids_of(const nb::object& ids) {
@@ -393,7 +393,10 @@ void define(nb::module_& module) {
   module.def("solve", &solve);
   module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none(), "model"_a);
   module.def("judge", &judge, "problem"_a, "claim"_a, "z"_a, "velocity"_a.none(), "farkas"_a.none(), "model"_a,
-             "detail"_a);
+             "detail"_a, "contact_names"_a, "solved_at"_a);
+  module.def("why_no_round_cone", [](const Problem& problem) {
+    return problem.contact() != nullptr ? why_no_round_cone(*problem.contact()) : std::string();
+  });
   module.def("solvers", &solver_list);
   module.def("friction_of", [](const std::string& solver) {
     const Spec spec = parse_spec(solver);

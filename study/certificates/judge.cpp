@@ -19,8 +19,8 @@ std::optional<Certificate> BoundedCertifier::certify(const Problem& problem) {
   return std::nullopt;
 }
 
-Judge::Judge(const Problem& problem, BoundedCertifier& certifier)
-    : problem_(problem), certifier_(certifier), evaluator_(problem) {
+Judge::Judge(const Problem& problem, BoundedCertifier& certifier, std::optional<double> solved_at)
+    : problem_(problem), certifier_(certifier), solved_at_(solved_at), evaluator_(problem) {
   if (evaluator_.truth() == Truth::kSolvable) findings_.add(Evidence::kTheory);
 }
 
@@ -35,6 +35,7 @@ Judgement Judge::judge_alone(const Answer& answer, FrictionModel model) {
   const double start = thread_cpu_clock_s();
   Judgement judgement = evaluator_.judge(answer);
   measure_friction(model, problem_, answer, judgement.errors);
+  if (solved_at_) judgement.errors.decide(*solved_at_);
   judgement.verify_s = thread_cpu_clock_s() - start;
   return judgement;
 }

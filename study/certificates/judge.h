@@ -36,8 +36,8 @@ class BoundedCertifier {
 /// study/evaluation, which knows no solver: a Certifier's candidates come from solvers.
 class Judge {
  public:
-  /// Both must outlive this object.
-  Judge(const Problem& problem, BoundedCertifier& certifier);
+  /// Both must outlive this object. @param solved_at  the verdict's bound, instead of that of the problem's kind
+  Judge(const Problem& problem, BoundedCertifier& certifier, std::optional<double> solved_at = std::nullopt);
 
   /// An answer to another model than the pyramid is measured by that model, and does not count as evidence of the
   /// problem.
@@ -65,6 +65,7 @@ class Judge {
 
   const Problem& problem_;
   BoundedCertifier& certifier_;
+  std::optional<double> solved_at_;
   Evaluator evaluator_;
   Findings findings_;
   std::deque<Distinct> distinct_;

@@ -34,25 +34,6 @@ Json exact_json(const ExactVector& vector) {
   return {{"denominator", vector.denominator}, {"numerators", vector.numerators}};
 }
 
-/// The nodes in the order of the proof: a branching node as its row, a leaf as [row, multiplier, row, multiplier, ...].
-Json branches_json(const std::vector<ProofNode>& nodes) {
-  if (nodes.empty()) return nullptr;
-  Json json = Json::array();
-  for (const ProofNode& node : nodes) {
-    if (node.row >= 0) {
-      json.push_back(node.row);
-      continue;
-    }
-    Json leaf = Json::array();
-    for (const Multiplier& multiplier : node.multipliers) {
-      leaf.push_back(multiplier.row);
-      leaf.push_back(multiplier.value);
-    }
-    json.push_back(std::move(leaf));
-  }
-  return json;
-}
-
 Json flag_json(const std::optional<bool>& flag) { return flag ? Json(*flag) : Json(nullptr); }
 
 }  // namespace
@@ -67,7 +48,6 @@ std::string proof_document(const Problem& problem, const Certificate& certificat
                    {"exact_potential", exact_json(certificate.exact_potential)},
                    {"exact_velocity", exact_json(certificate.exact_velocity)},
                    {"exact_farkas", exact_json(certificate.exact_farkas)},
-                   {"branches", branches_json(certificate.branches)},
                    {"exact_other_z", exact_json(certificate.exact_other_z)},
                    {"exact_other_potential", exact_json(certificate.exact_other_potential)}};
   // The problem is inserted as text, so that its numbers keep the digits of the problem file.

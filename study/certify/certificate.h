@@ -21,35 +21,21 @@ enum class CertificateKind {
 /// How a certificate is proven. Every proof is over the rationals on the data as given: no tolerance anywhere.
 enum class ProofKind {
   kNone,
-  kExactBasis,   ///< `exact_z` is a solution: checked by multiplication
-  kFarkas,       ///< `exact_farkas` contradicts solvability: checked by multiplication
-  kLp,           ///< `exact_farkas` proves, for friction, that a solution exists, without giving one
-  kBranching,    ///< `branches` contradicts every complementary cone: checked by multiplication
+  kExactBasis,  ///< `exact_z` is a solution: checked by multiplication
+  kFarkas,      ///< `exact_farkas` contradicts solvability: checked by multiplication
+  kLp,          ///< `exact_farkas` proves, for friction, that a solution exists, without giving one
 };
 
 /// "solution", "unsolvable", "open".
 const char* to_string(CertificateKind kind);
 
-/// "none", "exact_basis", "farkas", "lp", "branching".
+/// "none", "exact_basis", "farkas", "lp".
 const char* to_string(ProofKind proof);
 
 /// Exact rationals over one common positive denominator: decimal integers as GMP writes them ("-17"). Empty: no vector.
 struct ExactVector {
   std::string denominator;
   std::vector<std::string> numerators;
-};
-
-/// Row `row` of the inequalities w >= 0, times `value`.
-struct Multiplier {
-  Index row = 0;
-  std::string value;  ///< a decimal integer
-};
-
-/// A node of a proof by branching. Nodes stand in the order in which they are visited: a node, all of its branch with
-/// w_row = 0, then all of its branch with z_row = 0.
-struct ProofNode {
-  Index row = -1;                       ///< of the pair (z_row, w_row) that branches; -1: a leaf
-  std::vector<Multiplier> multipliers;  ///< of a leaf
 };
 
 /// The certified truth of one problem. Exact vectors are in the units of the problem (N s, m/s); that of kFarkas may be
@@ -70,8 +56,6 @@ struct ProofNode {
 ///  - lp: d = exact_farkas has the length of p, and w = q + C'R d, R = X where factors are given, else I, satisfies
 ///    for every contact i w_N,i >= mu_i * max(0, max over its friction rows of -w_D): no f in the friction cones with
 ///    B f = 0 has q'f < 0. G is positive semidefinite (Ginv definite) and mu >= 0, so that a solution exists.
-///  - branching:  in every leaf, with y its multipliers and w = q + M z in the units of the problem: y_i >= 0 unless
-///    w_i = 0 is imposed on the way to it, (M'y)_j <= 0 unless z_j = 0 is, and q'y < 0.
 ///  - Soft contacts: compliance_n f_N is added to w_N, tangential offsets and compliance to w_D, and so to q and M.
 ///    Farkas: u_i = 0 where compliance_n > 0. lp: nothing is asked of contacts with compliance_n > 0, and only w_N >= 0
 ///    of others with compliance_t > 0.
@@ -86,7 +70,6 @@ struct Certificate {
   ExactVector exact_potential;          ///< p above; empty for bare LCPs
   ExactVector exact_velocity;           ///< ngc: v+; empty for bare LCPs
   ExactVector exact_farkas;             ///< the proof of kFarkas or kLp
-  std::vector<ProofNode> branches;      ///< the proof of kBranching
   ExactVector exact_other_z;            ///< where velocity_unique is false: a second solution
   ExactVector exact_other_potential;    ///< its p
   double seconds = 0;                   ///< wall clock of certify()
@@ -94,14 +77,15 @@ struct Certificate {
 };
 
 struct CertifyOptions {
-  double time_limit_s = 10;          ///< wall clock, read between short steps; kOpen without a proof by then
+  /// Wall clock; kOpen without a proof by then. No step is begun that is expected to take longer than what is left.
+  double time_limit_s = 10;
   bool seek_other_velocity = false;  ///< frictional problems: look for a second solution with another velocity
   /// Above 0: the number of steps, of some microseconds each, that the search may take in place of the time limit, so
   /// that every machine finds the same. The floating-point solvers of the candidates then have no limit.
   std::int64_t most_work = 0;
 };
 
-/// Finds the exact truth of problems: candidate bases from float solvers, then exact arithmetic on the factored data.
+/// Finds the exact truth of problems: candidate bases from float solvers, then FLINT's integers on the factored data.
 ///
 /// Monotone problems (no friction, G semidefinite) with n and ngc up to 128 are decided, given time, unless integers
 /// grow too long; any other may stay kOpen. The same problem gives the same certificate on any machine unless the time

@@ -6,25 +6,18 @@
 
 #include <flint/flint.h>
 
+#include "core/compliance.h"
 #include "core/error.h"
-#include "study/certify/basis.h"
-#include "study/certify/branching.h"
+#include "core/registry.h"
 #include "study/certify/candidates.h"
 #include "study/certify/certificate.h"
-#include "study/certify/contact_variants.h"
-#include "study/certify/deadline.h"
-#include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
-#include "study/certify/exact_problem.h"
-#include "study/certify/reduction.h"
 
 namespace lcpbench {
 namespace exact {
 namespace {
 
-/// Of the exact search near an answer whose basis was no solution: entries below this part of the terms of their rows
-/// are unclear, and there may be so many of them.
-constexpr double kClear = 1e-9;
+/// Of the exact search near an answer whose basis was no solution: so many rows may be unclear.
 constexpr std::size_t kMostUnclear = 64;
 
 /// Rounds of exact exchanges after a float basis that was no solution.
@@ -36,96 +29,98 @@ constexpr Index kLargestContactLemke = 40;
 /// Largest order for floats of 113 bits on a dense M.
 constexpr Index kLargestQuad = 60;
 /// How many variants of a problem are tried in search of another velocity.
-constexpr Index kVelocityVariants = 8;
-/// Most combinations of contact modes to try one by one.
-constexpr std::size_t kModes = 2500;
+constexpr Index kVelocityVariants = 16;
+/// Most combinations of contact modes, or of unknowns, to try one by one.
+constexpr std::size_t kCombinations = 2500;
 
 constexpr const char* kLemke = "lemke{test=none}";
 constexpr const char* kInQuad = "contact_lemke{precision=quad}";
 
-/// A point of `system` near the float solution z that `accepts` takes.
-/// @param more_rows  gives rows of w that may be zero; asked only where the support of z leaves more than one point
-/// @param settled  gives a point, or none, in another way; asked when the support of z gave none
-template <class Rows, class Settled, class Accepts>
-std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector& z, const Deadline& deadline,
-                                         Rows&& more_rows, Settled&& settled, Accepts&& accepts) {
-  std::vector<Index> basis = support(z, system.size());
-  for (int round = 0; round <= kExchanges; ++round) {
-    std::optional<ExactPoint> point = basis_point(system, basis, deadline);
-    if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{}, deadline);
-    if (!point) return std::nullopt;
-    if (accepts(*point)) return point;
-    if (round == 0) {
-      if (std::optional<ExactPoint> other = settled()) return other;
-    }
-    std::vector<Index> next = exchanged_basis(system, *point, deadline);
-    if (next == basis) return std::nullopt;
-    basis = std::move(next);
+/// Rationals numerators / denominator.
+ExactVector to_text(const Dyadic& numerators, const fmpz* denominator) {
+  const auto shifted = [](const fmpz* value, slong shift) {
+    Integer result;
+    fmpz_mul_2exp(result.get(), value, static_cast<ulong>(std::max(shift, slong{0})));
+    return text(result.get());
+  };
+  ExactVector result{shifted(denominator, -numerators.exponent), {}};
+  for (Index i = 0; i < numerators.m.rows(); ++i) {
+    result.numerators.push_back(shifted(numerators.m(i), numerators.exponent));
   }
-  return std::nullopt;
+  return result;
 }
 
-/// min |L u|^2 + (1 + q'u)^2 over u >= 0, as a frictionless contact problem of inertia 1.
-Problem contradiction_problem(const ContactProblem& contact) {
-  const Matrix N = to_dense(contact.N);
-  Matrix B = N;
-  if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) B = factors->X.transpose() * N;
-  if (const auto* inverse = std::get_if<InverseInertia>(&contact.inertia)) B = inverse->Ginv * N;
-  Vector q = N.transpose() * contact.v;
-  if (contact.has_offset()) q += contact.b;
-  if (contact.compliance_n.size() > 0) {  // u is zero where a contact yields
-    B.conservativeResize(B.rows() + N.cols(), Eigen::NoChange);
-    B.bottomRows(N.cols()) = contact.compliance_n.asDiagonal();
+/// Each entry correctly rounded.
+Vector to_doubles(const ExactVector& x) {
+  Integer denominator;
+  Integer numerator;
+  fmpz_set_str(denominator.get(), x.denominator.c_str(), 10);
+  Vector result(std::ssize(x.numerators));
+  for (Index i = 0; i < result.size(); ++i) {
+    fmpz_set_str(numerator.get(), x.numerators[index(i)].c_str(), 10);
+    result(i) = rounded(numerator.get(), denominator);
   }
-  const auto unit = [](const Matrix& a) {
-    const double largest = a.size() > 0 ? a.cwiseAbs().maxCoeff() : 0.0;
-    return largest > 0 ? largest : 1.0;
-  };
-  ContactProblem squares;
-  squares.N = Matrix(B.rows() + 1, N.cols());
-  std::get<Matrix>(squares.N) << B / unit(B), q.transpose() / unit(q);
-  squares.v = Vector::Unit(B.rows() + 1, B.rows());
-  squares.D = Matrix(B.rows() + 1, 0);
-  squares.edges.assign(index(N.cols()), 0);
-  squares.mu = Vector::Zero(N.cols());
-  squares.inertia = DenseInertia{Matrix::Identity(B.rows() + 1, B.rows() + 1)};
-  return {"contradiction", std::move(squares)};
+  return result;
+}
+
+/// The entries over the largest one, rounded. @pre that is not zero
+Vector to_unit_doubles(const IntegerMatrix& x) {
+  Integer largest;
+  for (Index i = 0; i < x.rows(); ++i) {
+    if (fmpz_cmpabs(x(i), largest.get()) > 0) fmpz_abs(largest.get(), x(i));
+  }
+  Vector result(x.rows());
+  for (Index i = 0; i < x.rows(); ++i) result(i) = fmpz_is_zero(largest.get()) != 0 ? 0 : rounded(x(i), largest);
+  return result;
+}
+
+/// The problem's coordinates with contacts of these columns and offsets, without friction.
+ContactProblem without_friction(const ContactProblem& problem, Matrix N, Vector b) {
+  ContactProblem contact;
+  contact.v = problem.v;
+  contact.D = Matrix(problem.ngc(), 0);
+  contact.edges.assign(index(N.cols()), 0);
+  contact.mu = Vector::Zero(N.cols());
+  contact.inertia = problem.inertia;
+  contact.N = std::move(N);
+  if (!b.isZero(0)) contact.b = std::move(b);
+  return contact;
 }
 
 /// Certifies a problem of finite data.
 ///
-/// A bare LCP: bases from `lemke` and `auto`, exact Lemke up to an order that it can be afforded for, branch
-/// and bound until the deadline.
+/// A bare LCP: bases from `lemke` and `auto`, the contradiction of its linear inequalities, exact Lemke up to an order
+/// that it can be afforded for, for few unknowns every basis.
 ///
 /// Contacts without friction, and M proven semidefinite: complete. A basis from `active_set`, corrected by exact
-/// exchanges if it is wrong; a contradiction from the nonnegative least squares problem min |L u|^2 + (1 + q'u)^2,
-/// which has the residual 0 exactly when the problem is unsolvable; last, exact Lemke on M with its potentials
-/// eliminated.
+/// exchanges if it is wrong; a contradiction on the support of the one that `active_set` gives; last, exact Lemke.
 ///
 /// Contacts with friction: bases from `contact_lemke` and `lemke`; the contradiction of the normals alone; the velocity
 /// inside the dual friction cones, the solution of a frictionless problem whose contacts are the cones' edges; for few
-/// unknowns exact Lemke; branch and bound until the deadline.
+/// unknowns exact Lemke.
 class TruthSearch {
  public:
   /// @throws TimePassed, as run() does
   TruthSearch(const Problem& problem, const CertifyOptions& options, const Deadline& deadline, Candidates& candidates)
       : problem_(problem),
         contact_(problem.contact()),
+        is_frictional_(contact_ != nullptr && contact_->frictional()),
         options_(options),
         deadline_(deadline),
         candidates_(candidates),
-        truth_(problem, deadline) {}
+        truth_(problem, deadline),
+        system_(truth_.system) {}
 
   Certificate run() {
-    if (!truth_.inertia().refusal.empty()) return open(truth_.inertia().refusal);
-    const bool decided = contact_ == nullptr ? decide_bare()
-                         : truth_.monotone() ? decide_monotone()
-                                             : decide_frictional();
-    if (!decided) return open(deadline_.passed() ? "the time limit passed" : "no proof was found either way");
+    if (!truth_.refusal.empty()) return {.detail = truth_.refusal};
+    const bool decided = contact_ == nullptr                      ? decide_bare()
+                         : truth_.semidefinite && !is_frictional_ ? decide_monotone()
+                                                                  : decide_frictional();
+    if (!decided) return {.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way"};
     // Without a positive mu no friction acts, and M of the normals is semidefinite.
-    const bool one_velocity = solution_ && truth_.inertia().semidefinite && contact_->mu.isZero(0);
+    const bool one_velocity = solution_ && truth_.semidefinite && contact_->mu.isZero(0);
     if (one_velocity) certificate_.velocity_unique = true;
-    if (options_.seek_other_velocity && solution_ && truth_.frictional() && !one_velocity) {
+    if (options_.seek_other_velocity && solution_ && is_frictional_ && !one_velocity) {
       try {
         seek_other_velocity();
       } catch (const TimePassed&) {  // what was found stays
@@ -136,253 +131,255 @@ class TruthSearch {
 
  private:
   bool decide_bare() {
-    return solved_by(kLemke) || solved_by("auto") || settled_by_exact_lemke() || branched();
+    return solved_by(kLemke) || solved_by("auto") || contradicted() || settled_by_exact_lemke(kLargestBareLemke) ||
+           in_a_combination([](const Point&) { return true; });
   }
 
   bool decide_monotone() {
-    if (solved_by("active_set")) return true;
-    if (may_be_contradicted() && contradicted()) return true;
-    return solved_by(kInQuad) || settled_by_exact_lemke();
+    if (solved_by("active_set") || contradicted() || solved_by(kInQuad)) return true;
+    return settled_by_exact_lemke(kLargestMonotoneLemke);
   }
 
   bool decide_frictional() {
-    if (solved_by("contact_lemke")) return true;
-    if (may_be_contradicted() && contradicted()) return true;
+    if (solved_by("contact_lemke") || contradicted()) return true;
     if (solved_by(kLemke) || solved_by("contact_lemke{covering=classic}")) return true;
-    if (truth_.system().size() <= kLargestQuad && solved_by(kInQuad)) return true;
-    return solvable_by_velocity() || settled_by_exact_lemke() || branched();
+    if (system_.size <= kLargestQuad && solved_by(kInQuad)) return true;
+    return solvable_by_velocity() || settled_by_exact_lemke(kLargestContactLemke);
   }
 
   bool solved_by(const char* spec) {
     if (deadline_.passed()) return false;
     const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
-    return answer.claim == Claim::kSolved && solved_near(answer.z, std::string("basis of ") + spec);
+    if (answer.claim != Claim::kSolved) return false;
+    const std::optional<Point> point = solution_near(answer.z);
+    return point && take_solution(*point, std::string("basis of ") + spec);
   }
 
-  bool solved_near(const Vector& z, const std::string& detail) {
-    std::optional<ExactPoint> point = point_near(z);
-    if (!point) return false;
-    take_solution(truth_.stated(std::move(*point)), detail);
-    return true;
+  bool solves(const Point& point) const { return is_solution(system_, point, system_.values(point, deadline_)); }
+
+  /// A solution near the float solution z.
+  std::optional<Point> solution_near(const Vector& z) const {
+    const auto accepts = [&](const Point& point, const IntegerMatrix& values) {
+      return is_solution(system_, point, values);
+    };
+    const auto settled = [&]() -> std::optional<Point> {
+      const Guess guess = classified(problem_, z);
+      if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return std::nullopt;
+      LemkeOutcome lemke = exact_lemke(system_, guess.basis, guess.unclear, deadline_);
+      if (lemke.ending != LemkeEnding::kSolution || !solves(lemke.x)) return std::nullopt;
+      return std::move(lemke.x);
+    };
+    return certified_near(system_, z, settled, accepts);
   }
 
-  bool solves(const ExactPoint& point) const { return is_solution(truth_.stated(), truth_.stated(point), deadline_); }
-
-  std::optional<ExactPoint> point_near(const Vector& z) const {
-    return certified_near(
-        truth_.system(), z, deadline_, [&] { return tight_rows(problem_, z); }, [&] { return settled_near_answer(z); },
-        [&](const ExactPoint& point) { return solves(point); });
+  /// A point near the float solution z that `accepts` takes.
+  /// @param settled  gives a point, or none, in another way; asked when the support of z gave none
+  template <class Settled, class Accepts>
+  std::optional<Point> certified_near(const ExactSystem& system, const Vector& z, Settled&& settled,
+                                      Accepts&& accepts) const {
+    std::vector<Index> basis = support(z, system.size);
+    for (int round = 0; round <= kExchanges; ++round) {
+      const auto tight = [&] {
+        return round == 0 && &system == &system_ ? classified(problem_, z).tight : std::vector<Index>();
+      };
+      Point point = point_on(system, basis, deadline_, tight);
+      const IntegerMatrix values = system.values(point, deadline_);
+      if (accepts(point, values)) return point;
+      if (round == 0) {
+        if (std::optional<Point> other = settled()) return other;
+      }
+      std::vector<Index> next = exchanged_basis(system, point, values);
+      if (next == basis) return std::nullopt;
+      basis = std::move(next);
+    }
+    return std::nullopt;
   }
 
-  std::optional<ExactPoint> settled_near_answer(const Vector& z) const {
-    const Guess guess = classified(problem_, z, kClear);
-    if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return std::nullopt;
-    return settled_near(truth_.system(), guess, deadline_, [&](const ExactPoint& point) { return solves(point); });
-  }
-
-  /// @param point  of stated(), checked
-  void take_solution(ExactPoint point, const std::string& detail) {
-    const ScaledVector z = truth_.z(point);
+  /// @param point  checked
+  bool take_solution(const Point& point, const std::string& detail) {
     certificate_.kind = CertificateKind::kSolution;
     certificate_.proof = ProofKind::kExactBasis;
-    certificate_.exact_z = to_text(z);
-    certificate_.z = to_doubles(z);
+    certificate_.exact_z = z_of(point);
+    certificate_.z = to_doubles(certificate_.exact_z);
     certificate_.detail = detail;
-    if (contact_ != nullptr) {
-      const ScaledVector velocity = truth_.velocity_after(point);
-      certificate_.exact_potential = to_text(truth_.potential(point));
-      certificate_.exact_velocity = to_text(velocity);
-      certificate_.velocity = to_doubles(velocity);
-    }
-    solution_ = std::move(point);
-  }
-
-  // Impulses that move nothing need not be able to bring contacts to rest: neither can those that move all where
-  // contacts ask for more than rest.
-  bool may_be_contradicted() const { return !truth_.inertia().full_rank || contact_->has_offset(); }
-
-  bool contradicted() {
-    if (deadline_.passed() || contact_->nc() == 0) return false;
-    const Problem squares = contradiction_problem(*contact_);
-    const Answer& answer = candidates_.answer("active_set", squares, deadline_.left_s());
-    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_->nc()), deadline_);
-    return u && take_contradiction(*u, "support of a nonnegative least squares solution");
-  }
-
-  bool take_contradiction(IntegerVector u, const std::string& detail) {
-    u.resize(index(truth_.system().size()));
-    if (!is_contradiction(truth_.stated(), u, deadline_)) return false;
-    std::vector<slong> exponents = truth_.stated().w_exponent;  // u_i w_i has the unit of w_i: u_i the inverse of it
-    const slong largest = exponents.empty() ? 0 : *std::max_element(exponents.begin(), exponents.end());
-    for (slong& exponent : exponents) exponent = largest - exponent;
-    if (contact_ != nullptr) {
-      u.resize(index(contact_layout(*contact_).lambda_offset()));
-      exponents.assign(u.size(), 0);
-    }
-    take_proof(CertificateKind::kUnsolvable, ProofKind::kFarkas, {std::move(u), std::move(exponents), Integer(1)},
-               detail);
+    solution_ = point;
+    if (contact_ == nullptr) return true;
+    const Dyadic p{part(point, range(1, system_.column_of(0)), {0}), 0};
+    certificate_.exact_potential = to_text(p, point(0));
+    const Dyadic velocity = truth_.v * Dyadic{part(point, {0}, {0}), 0} + truth_.shape * p;
+    certificate_.exact_velocity = to_text(velocity, point(0));
+    certificate_.velocity = to_doubles(certificate_.exact_velocity);
     return true;
   }
 
-  void take_proof(CertificateKind kind, ProofKind proof, const ScaledVector& vector, const std::string& detail) {
+  ExactVector z_of(const Point& point) const {
+    return to_text({part(point, range(system_.column_of(0), point.rows()), {0}), 0}, point(0));
+  }
+
+  /// A vector that contradicts the inequalities of contacts' normals, or of a bare LCP.
+  bool contradicted() {
+    if (deadline_.passed()) return false;
+    if (contact_ == nullptr) return 2 * system_.size <= kLargestMonotoneLemke && contradicted_by_lemke();
+    // Impulses that move nothing need not be able to bring contacts to rest: neither can those that move all where
+    // contacts ask for more than rest.
+    if (truth_.full_rank && !contact_->has_offset()) return false;
+    const Index nc = contact_->nc();
+    ContactProblem normals = without_friction(*contact_, to_dense(contact_->N), contact_->b);
+    normals.compliance_n = contact_->compliance_n;
+    const Answer& answer = candidates_.answer("active_set", Problem("normals", std::move(normals)), deadline_.left_s());
+    const std::vector<Index> columns = support(answer.farkas, nc);
+    // q'u = -1 and B u = 0
+    const Dyadic q{part(truth_.q.m, columns, {0}), truth_.q.exponent};
+    const Dyadic B{part(truth_.B.m, range(0, truth_.B.m.rows()), columns), truth_.B.exponent};
+    const IntegerMatrix equations = transposed(beside(q, transposed(B)).m);
+    IntegerMatrix minus_one(equations.rows());
+    fmpz_set_si(minus_one(0), -1);
+    Integer denominator;
+    const IntegerMatrix found = determined(equations, minus_one, denominator, deadline_);
+    IntegerMatrix u(system_.size);
+    for (Index j = 0; j < found.rows(); ++j) fmpz_set(u(columns[index(j)]), found(j));
+    return take_contradiction(u, "support of the contradiction of active_set");
+  }
+
+  /// Lemke's method on the monotone LCP of [0 -M'; M 0] and (0, q) ends on a ray if no z >= 0 has q + M z >= 0.
+  bool contradicted_by_lemke() {
+    const Index n = system_.size;
+    const IntegerMatrix w = system_.w_in_one_unit();
+    const Dyadic q{part(w, range(0, n), {0}), 0};
+    const Dyadic M{part(w, range(0, n), range(1, 1 + n)), 0};
+    const Dyadic zeros{IntegerMatrix(n, n), 0};
+    const ExactSystem both({IntegerMatrix(0, 1 + 2 * n), 0}, beside(Dyadic{IntegerMatrix(n), 0}, zeros, -transposed(M)),
+                           beside(q, M, zeros));
+    const LemkeOutcome lemke = exact_lemke(both, {}, range(0, 2 * n), deadline_);
+    return lemke.ending == LemkeEnding::kRay &&
+           take_contradiction(part(lemke.x, range(n, 2 * n), {0}), "the linear inequalities contradict each other");
+  }
+
+  bool take_contradiction(IntegerMatrix u, const std::string& detail) {
+    if (!is_contradiction(system_, u)) return false;
+    if (contact_ != nullptr) u = part(u, range(0, contact_layout(*contact_).lambda_offset()), {0});
+    take_proof(CertificateKind::kUnsolvable, ProofKind::kFarkas, u, Integer(1).get(), detail);
+    return true;
+  }
+
+  void take_proof(CertificateKind kind, ProofKind proof, const IntegerMatrix& vector, const fmpz* denominator,
+                  const std::string& detail) {
     certificate_.kind = kind;
     certificate_.proof = proof;
-    certificate_.exact_farkas = to_text(vector);
+    certificate_.exact_farkas = to_text({vector, 0}, denominator);
     certificate_.farkas = to_unit_doubles(vector);
     certificate_.detail = detail;
   }
 
   // On monotone problems Lemke ends at a solution or at a proof that there is none. On others it need not do either.
-  bool settled_by_exact_lemke() {
-    const Index order = std::max(truth_.system().size(), truth_.system().potentials());
-    const Index largest = contact_ == nullptr ? kLargestBareLemke
-                          : truth_.monotone() ? kLargestMonotoneLemke
-                                              : kLargestContactLemke;
-    if (order > largest || deadline_.passed()) return false;
-    const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
-    if (!eliminated) return false;
-    const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
-    if (outcome.ending == LemkeEnding::kSolution) {
-      ExactPoint point = expanded(*eliminated, truth_.system(), outcome.z, outcome.denominator);
-      if (!solves(point)) return false;
-      take_solution(truth_.stated(std::move(point)), "exact lexicographic Lemke");
-      return true;
+  bool settled_by_exact_lemke(Index largest) {
+    if (std::max(system_.size, system_.potentials) > largest || deadline_.passed()) return false;
+    const LemkeOutcome lemke = exact_lemke(system_, {}, range(0, system_.size), deadline_);
+    if (lemke.ending == LemkeEnding::kSolution) {
+      return solves(lemke.x) && take_solution(lemke.x, "exact lexicographic Lemke");
     }
-    return outcome.ending == LemkeEnding::kRay && !truth_.frictional() &&
-           take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
+    return lemke.ending == LemkeEnding::kRay && !is_frictional_ &&
+           take_contradiction(lemke.x, "ray of exact lexicographic Lemke");
   }
 
-  bool branched() {
-    if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), truth_.system(), deadline_,
-                                      [this](const Vector& z) { return solved_near(z, "branch and bound"); });
-    if (outcome.solved) return true;
-    if (outcome.solution && solves(*outcome.solution)) {
-      take_solution(truth_.stated(std::move(*outcome.solution)), "branch and bound");
-      return true;
-    }
-    if (outcome.proof.empty()) return false;
-    if (contact_ == nullptr && outcome.proof.size() == 1) {
-      return take_contradiction(multipliers(outcome.proof.front()), "the linear inequalities contradict each other");
-    }
-    const auto is_leaf = [](const ProofNode& node) { return node.row < 0; };
-    const auto leaves = std::count_if(outcome.proof.begin(), outcome.proof.end(), is_leaf);
-    certificate_.kind = CertificateKind::kUnsolvable;
-    certificate_.proof = ProofKind::kBranching;
-    certificate_.detail = "branch and bound: " + std::to_string(leaves) + " contradictions";
-    certificate_.branches = std::move(outcome.proof);
-    return true;
-  }
-
-  IntegerVector multipliers(const ProofNode& leaf) const {
-    const std::vector<slong>& exponents = truth_.system().w_exponent;
-    IntegerVector y(exponents.size());
-    const slong least = *std::min_element(exponents.begin(), exponents.end());
-    for (const Multiplier& entry : leaf.multipliers) {
-      const auto row = index(entry.row);
-      fmpz_set_str(y[row].get(), entry.value.c_str(), 10);
-      shift_left(y[row], exponents[row] - least);
-    }
-    return y;
-  }
-
-  // Where contacts can bring everything to rest and ask for no more, v + Y p = 0 will do; else v + Y p is the
-  // post-impact velocity of the frictionless problem whose contacts are the cones' edges.
+  // Where contacts can bring everything to rest and ask for no more, v + Y p = 0 will do; where all yield, any
+  // velocity; else the post-impact velocity of the frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
-    if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
-    const bool rests = truth_.inertia().full_rank && (contact_->b.array() >= 0).all() && contact_->offset_t.size() == 0;
-    const bool all_yield =
-        contact_->nc() > 0 && contact_->compliance_n.size() > 0 && contact_->compliance_n.minCoeff() > 0;
-    std::optional<ExactPoint> point;
-    if (all_yield) {
-      point = ExactPoint{IntegerVector(index(truth_.system().potentials())),
-                         IntegerVector(index(truth_.system().size()))};
-    } else {
-      point = rests ? point_at_rest(truth_, deadline_) : point_within_cones();
+    if (!truth_.semidefinite || deadline_.passed()) return false;
+    const ExactSystem edges = edge_system(*contact_, truth_, deadline_);
+    Point point(edges.rows.cols());
+    fmpz_one(point(0));
+    if (truth_.full_rank) {
+      const IntegerMatrix both = beside(truth_.shape, truth_.v).m;
+      const std::vector<Index> rows = range(0, both.rows());
+      const Index k = edges.potentials;
+      Integer denominator;
+      const IntegerMatrix p = determined(part(both, rows, range(0, k)), part(both, rows, {k}), denominator, deadline_);
+      fmpz_set(point(0), denominator.get());
+      for (Index i = 0; i < k; ++i) fmpz_neg(point(1 + i), p(i));
     }
-    if (!point) return false;
-    *point = truth_.stated(std::move(*point));
-    if (!is_solvability_proof(truth_.stated(), *contact_, *point, deadline_)) return false;
-    take_proof(CertificateKind::kSolution, ProofKind::kLp, truth_.potential(*point),
+    const auto accepts = [&](const Point&, const IntegerMatrix& values) {
+      return is_solvability_proof(*contact_, edges, values);
+    };
+    if (!accepts(point, edges.values(point, deadline_))) {
+      const std::optional<Point> found = point_within_cones(edges, accepts);
+      if (!found) return false;
+      point = *found;
+    }
+    take_proof(CertificateKind::kSolution, ProofKind::kLp, part(point, range(1, edges.column_of(0)), {0}), point(0),
                "a velocity within the dual friction cones");
     return true;
   }
 
-  std::optional<ExactPoint> point_within_cones() {
-    const Dyadic edges = cone_edges(*contact_);
-    const Dyadic offsets = offsets_of_edges(*contact_);
-    const Dyadic q = velocities_before(edges, truth_.velocity(), offsets, deadline_);
-    const ExactSystem cones = frictionless_system(truth_.inertia(), edges, q, deadline_);
-    ContactProblem frictionless;
-    frictionless.v = contact_->v;
-    frictionless.inertia = contact_->inertia;
-    frictionless.N = to_doubles(edges);
-    if (offsets.m.rows() > 0) frictionless.b = to_doubles(offsets);
-    frictionless.D = Matrix(contact_->ngc(), 0);
-    frictionless.edges.assign(index(edges.m.cols()), 0);
-    frictionless.mu = Vector::Zero(edges.m.cols());
-    const Answer& answer =
-        candidates_.answer("active_set", Problem("edges", std::move(frictionless)), deadline_.left_s());
+  template <class Accepts>
+  std::optional<Point> point_within_cones(const ExactSystem& edges, Accepts&& accepts) {
+    const ContactLayout layout = contact_layout(*contact_);
+    const Matrix N = to_dense(contact_->N);
+    Matrix all(N.rows(), edges.size);
+    all << N, to_dense(contact_->D);
+    Vector offsets = Vector::Zero(edges.size);
+    const SoftRows<double> soft(*contact_, layout);
+    for (Index i = 0; i < layout.nc; ++i) {
+      offsets(i) = contact_->offset(i);
+      for (Index t = layout.friction_begin[index(i)]; t < layout.friction_begin[index(i) + 1]; ++t) {
+        const Index edge = layout.friction_offset() + t;
+        all.col(edge) = N.col(i) + contact_->mu(i) * all.col(edge);
+        offsets(edge) =
+            offsets(i) + contact_->mu(i) * soft.along(i, t - layout.friction_begin[index(i)], soft.offset(i));
+      }
+    }
+    ContactProblem cones = without_friction(*contact_, std::move(all), std::move(offsets));
+    const Answer& answer = candidates_.answer("active_set", Problem("edges", std::move(cones)), deadline_.left_s());
     if (answer.claim != Claim::kSolved) return std::nullopt;
     return certified_near(
-        cones, answer.z, deadline_, [] { return std::vector<Index>{}; }, [] { return std::optional<ExactPoint>(); },
-        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), *contact_, point, deadline_); });
+        edges, answer.z, [] { return std::optional<Point>(); }, accepts);
   }
 
-  // The contacts in other orders and units lead pivoting methods along other paths.
+  // Every combination of contact modes, or of the unknowns of a bare LCP, where these are few.
   template <class Found>
-  bool in_a_variant(const char* spec, Found&& found) {
-    for (Index number = 0; contact_->nc() > 0 && number < kVelocityVariants && !deadline_.passed(); ++number) {
-      const ContactVariant variant(*contact_, number);
-      const Answer& answer = candidates_.answer(spec, Problem("variant", variant.problem), deadline_.left_s());
-      if (answer.claim == Claim::kSolved && found(variant.of_original(answer.z))) return true;
-    }
-    return false;
-  }
-
-  // Every combination of contact modes, where these are few.
-  template <class Found>
-  bool in_another_mode(Found&& found) {
-    for (const std::vector<Index>& basis : contact_modes(*contact_, kModes)) {
+  bool in_a_combination(Found&& found) {
+    for (const std::vector<Index>& basis : combinations(problem_, kCombinations)) {
       if (deadline_.passed()) return false;
-      const std::optional<ExactPoint> point = basis_point(truth_.system(), basis, deadline_);
-      if (point && solves(*point) && found(*point)) return true;
+      const Point point = point_on(system_, basis, deadline_);
+      if (!solves(point) || !found(point)) continue;
+      return solution_ || take_solution(point, "one of all bases");
     }
     return false;
   }
 
   void seek_other_velocity() {
-    if (in_another_mode([&](const ExactPoint& point) { return differs(point); })) return;
-    const auto differs_near = [&](const Vector& z) {
-      const std::optional<ExactPoint> point = point_near(z);
-      return point && differs(*point);
+    const auto differs = [&](const Point& point) {
+      Point a = part(*solution_, range(0, system_.column_of(0)), {0});
+      Point b = part(point, range(0, system_.column_of(0)), {0});
+      fmpz_mat_scalar_mul_fmpz(a.get(), a.get(), point(0));
+      fmpz_mat_scalar_mul_fmpz(b.get(), b.get(), (*solution_)(0));
+      if (fmpz_mat_equal(a.get(), b.get()) != 0) return false;
+      certificate_.velocity_unique = false;
+      certificate_.exact_other_z = z_of(point);
+      certificate_.exact_other_potential = to_text({part(point, range(1, system_.column_of(0)), {0}), 0}, point(0));
+      return true;
     };
-    if (!in_a_variant("contact_lemke{precision=double}", differs_near)) in_a_variant(kLemke, differs_near);
-  }
-
-  bool differs(const ExactPoint& point) {
-    const ExactPoint other = truth_.stated(point);
-    if (same_potential(*solution_, other)) return false;
-    certificate_.velocity_unique = false;
-    certificate_.exact_other_z = to_text(truth_.z(other));
-    certificate_.exact_other_potential = to_text(truth_.potential(other));
-    return true;
-  }
-
-  static Certificate open(const std::string& why) {
-    Certificate certificate;
-    certificate.detail = why;
-    return certificate;
+    if (in_a_combination(differs)) return;
+    // Other orders and units lead pivoting methods along other paths.
+    for (Index number = 0; system_.size > 0 && number < kVelocityVariants && !deadline_.passed(); ++number) {
+      const Variant variant(problem_.lcp(), number);
+      const Answer& answer = candidates_.answer(kLemke, Problem("variant", variant.lcp), deadline_.left_s());
+      if (answer.claim != Claim::kSolved) continue;
+      const std::optional<Point> point = solution_near(variant.of_original(answer.z));
+      if (point && differs(*point)) return;
+    }
   }
 
   const Problem& problem_;
   const ContactProblem* contact_;  ///< nullptr: a bare LCP
+  bool is_frictional_;
   const CertifyOptions& options_;
   const Deadline& deadline_;
   Candidates& candidates_;
   ExactProblem truth_;
+  const ExactSystem& system_;
   Certificate certificate_;
-  std::optional<ExactPoint> solution_;
+  std::optional<Point> solution_;
 };
 
 /// FLINT keeps memory for each thread; this gives it back when the thread ends.
@@ -399,8 +396,8 @@ Certificate Certifier::certify(const Problem& problem) {
     throw InputError(problem.name() + ": " + why + "; nothing is exact");
   }
   [[maybe_unused]] static thread_local exact::FlintMemory memory;
-  const exact::Deadline deadline = options_.most_work > 0 ? exact::Deadline::after_work(options_.most_work)
-                                                          : exact::Deadline(options_.time_limit_s);
+  const exact::Deadline deadline =
+      options_.most_work > 0 ? exact::Deadline::after_work(options_.most_work) : exact::Deadline(options_.time_limit_s);
   Certificate certificate;
   // Whatever one problem makes fail leaves this problem open, and the next ones as they are.
   try {
@@ -422,7 +419,7 @@ const char* to_string(CertificateKind kind) {
 }
 
 const char* to_string(ProofKind proof) {
-  constexpr const char* kNames[] = {"none", "exact_basis", "farkas", "lp", "branching"};
+  constexpr const char* kNames[] = {"none", "exact_basis", "farkas", "lp"};
   return kNames[static_cast<std::size_t>(proof)];
 }
 

@@ -37,9 +37,12 @@ class Deadline {
     return work_left_ == 0;
   }
 
-  /// Counts one step of work. For loops whose partial result is of no use. @throws TimePassed
-  void check() const {
-    if (passed()) throw TimePassed();
+  /// Before work that nothing can interrupt. @param steps  what it may take, see passed()
+  /// @throws TimePassed where that is more than what is left
+  void require(double steps) const {
+    constexpr double kStep_s = 5e-6;
+    constexpr double kMost = 1e15;
+    if (passed(static_cast<std::int64_t>(std::min(steps, kMost))) || steps * kStep_s > left_s()) throw TimePassed();
   }
 
  private:

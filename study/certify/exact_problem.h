@@ -1,67 +1,73 @@
 #pragma once
 
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/problem.h"
-#include "study/certify/certificate.h"
-#include "study/certify/exact_system.h"
+#include "study/certify/deadline.h"
+#include "study/certify/integers.h"
 
 namespace lcpbench::exact {
 
-/// numerators_i 2^exponents_i / denominator; denominator > 0.
-struct ScaledVector {
-  IntegerVector numerators;
-  std::vector<slong> exponents;
-  Integer denominator{1};
+/// p and z over one denominator > 0: [denominator; p; z].
+using Point = IntegerMatrix;
+
+/// A complementarity problem over the integers: find p (k) and z (n) >= 0 with
+///
+///     [0 K -L] [1; p; z] = 0,   w = [q R' S] [1; p; z] >= 0,   z'w = 0.
+///
+/// A bare LCP has k = 0 and S = M. A contact problem keeps its inertia in K, so that no inverse is ever formed. p and z
+/// are in the problem's units.
+struct ExactSystem {
+  Index potentials = 0;          ///< k, entries of the change of velocity in some coordinates
+  Index size = 0;                ///< n
+  IntegerMatrix rows{};          ///< (k + n) x (1 + k + n), each without its powers of two
+  std::vector<slong> exponents;  ///< of these powers
+
+  ExactSystem() = default;
+  /// @param w,more_w  the rows of w
+  ExactSystem(Dyadic equations, Dyadic w, Dyadic more_w = {});
+
+  Index row_of(Index i) const { return potentials + i; }         ///< of w_i
+  Index column_of(Index i) const { return 1 + potentials + i; }  ///< of z_i
+  /// @returns [K p - L z; w] times the denominator, each row in a unit of its own
+  IntegerMatrix values(const Point& point, const Deadline& deadline) const;
+  /// [q R' S], but for one power of two.
+  IntegerMatrix w_in_one_unit() const;
 };
 
-ExactVector to_text(const ScaledVector& x);
-/// Each entry correctly rounded.
-Vector to_doubles(const ScaledVector& x);
-/// x / max|x|, each entry correctly rounded; zeros where x is zero.
-Vector to_unit_doubles(const ScaledVector& x);
-
-/// A problem over the integers. If the columns of X of a FactoredInertia are linearly dependent there are two systems:
-/// system() on independent columns, to solve, and stated() on all, for the certificate. A bare LCP has system() only.
-class ExactProblem {
- public:
+/// The system of a problem, and what is proven of its inertia. With C = [N D], the inertia is K p = B f for impulses f,
+/// and the change of velocity is Y p; study/certify/certificate.h has K, B and Y of each form.
+struct ExactProblem {
   /// @throws TimePassed
   ExactProblem(const Problem& problem, const Deadline& deadline);
 
-  /// What is solved; K is nonsingular. @pre inertia().refusal is empty: else there is no system, here and below
-  const ExactSystem& system() const { return system_; }
-  const ExactInertia& inertia() const { return inertia_; }
-  const Dyadic& velocity() const { return v_; }  ///< v, before the impact
-
-  /// The system of the certificate: all factors with alpha > 0.
-  const ExactSystem& stated() const { return stated_ ? *stated_ : system_; }
-  /// A point of system() as one of stated(): the entries of p for left-out factors are zero.
-  ExactPoint stated(ExactPoint point) const;
-
-  // Of a point of stated(), in the units of the problem.
-  ScaledVector z(const ExactPoint& point) const;
-  ScaledVector potential(const ExactPoint& point) const;
-  ScaledVector velocity_after(const ExactPoint& point) const;  ///< v + Y p
-
-  /// A contact problem without friction whose M is proven positive semidefinite: all its solutions share M z, and with
-  /// it one velocity. False for bare LCPs.
-  bool monotone() const { return inertia_.semidefinite && !frictional_; }
-  bool frictional() const { return frictional_; }
-
- private:
-  bool frictional_ = false;
-  std::vector<Index> weighted_;  // factors with alpha > 0
-  std::vector<Index> spanning_;  // those of them that are independent, as positions in X
-  Dyadic v_;
-  ExactInertia inertia_;
-  ExactSystem system_;
-  std::optional<ExactInertia> stated_inertia_;
-  std::optional<ExactSystem> stated_;
+  ExactSystem system;
+  Dyadic v, K, B, R, q;       ///< contacts only, as all below: v before the impact, w = q + R p for impulses of zero
+  Dyadic shape;               ///< Y
+  bool semidefinite = false;  ///< proven: M restricted to impulses is symmetric positive semidefinite
+  bool full_rank = false;     ///< proven: G* C f = 0 only where C f = 0
+  std::string refusal;        ///< why nothing can be certified; "" where it can. Else there is no system
 };
 
-/// The p with v + Y p = 0, beside z = 0, in the units of system(): a candidate for the direction of a proof, and no
-/// solution. Nothing if Y cannot be inverted. @pre the inertia has full rank @throws TimePassed
-std::optional<ExactPoint> point_at_rest(const ExactProblem& problem, const Deadline& deadline);
+/// The frictionless system whose contacts are the edges of all friction cones: N_i of every contact i, in the place of
+/// i, and N_i + mu_i D_t of every friction column t. @throws TimePassed
+ExactSystem edge_system(const ContactProblem& contact, const ExactProblem& problem, const Deadline& deadline);
+
+// Proofs by multiplication alone; nothing here knows how the vectors were found.
+
+/// @param values  system.values(point)
+bool is_solution(const ExactSystem& system, const Point& point, const IntegerMatrix& values);
+
+/// u >= 0, L u = 0, S'u <= 0, q'u < 0, in the problem's units. For a system without potentials, and for one of
+/// contacts, whose R'K^-1 L is symmetric, this contradicts w >= 0: u'w <= q'u whatever z >= 0.
+bool is_contradiction(const ExactSystem& system, const IntegerMatrix& u);
+
+/// Whether after the shift of the velocity by Y p the velocities w of the edges are >= 0, but for contacts with r_n >
+/// 0, and for the friction edges of those of at most 4 with r_t > 0: then no f in the friction cones with C f in
+/// null(G) has q'f < 0, and, G being semidefinite and mu >= 0, the problem is solvable. [Cottle, Pang, Stone 1992,
+/// Thm 3.8.6: M is copositive, and q is nonnegative on the solutions of LCP(0, M)]
+/// @param values  edges.values() of a point with this p and z = 0
+bool is_solvability_proof(const ContactProblem& contact, const ExactSystem& edges, const IntegerMatrix& values);
 
 }  // namespace lcpbench::exact

@@ -90,7 +90,6 @@ std::string finding(const Problem& problem, const Certificate& certificate) {
   switch (certificate.proof) {
     case ProofKind::kExactBasis: return "it has a solution, checked in exact arithmetic";
     case ProofKind::kLp: return "it has a solution: proven in exact arithmetic without giving one";
-    case ProofKind::kBranching: return "it has no solution: each of its complementary cones is contradicted exactly";
     case ProofKind::kFarkas: {
       const double bound = least_violation(problem, certificate);
       return bound > 0 ? fmt::format(

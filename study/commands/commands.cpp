@@ -101,6 +101,13 @@ CLI::Validator seed_check() {
           range};
 }
 
+CLI::Option* add_solved_at(CLI::App& command, std::optional<double>& bound) {
+  return add_number(command, "--solved-at", bound,
+                    "the verdict's bound: largest relative residual of a solved answer (default: 1e-4 of contacts, 1e-6 "
+                    "of bare LCPs)",
+                    number_check(1e-15, 1));
+}
+
 CLI::Validator number_check(double low, double high) {
   const std::string range = fmt::format("in [{:g}, {:g}]", low, high);
   return {[low, high, range](const std::string& text) {

@@ -64,6 +64,9 @@ CLI::Validator seed_check();
 /// time [s].
 CLI::Validator number_check(double low = 1e-6, double high = 1e7);
 
+/// --solved-at.
+CLI::Option* add_solved_at(CLI::App& command, std::optional<double>& bound);
+
 /// The solvers that are named, in canonical form. @throws InputError
 std::vector<Spec> solver_specs(const std::vector<std::string>& texts);
 

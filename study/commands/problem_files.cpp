@@ -1,5 +1,7 @@
 #include "study/commands/problem_files.h"
 
+#include <map>
+
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "study/commands/commands.h"
@@ -39,6 +41,14 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
   if (json) print_json(rows);
   if (*stop != 0) return kExitInterrupted;
   return complete ? kExitDone : kExitBadInput;
+}
+
+std::vector<std::string> contact_names(const std::string& file) {
+  static std::map<std::string, ScenesFile> opened;
+  const auto place = scenes_step(file);
+  if (!place) return {};
+  const ScenesFile& scenes = opened.try_emplace(place->first, place->first).first->second;
+  return scenes.read(scenes.index_of(place->second)).contact_ids;
 }
 
 Json errors_json(const Errors& errors) {

@@ -27,6 +27,9 @@ using Examine = std::function<void(const Problem& problem, const std::string& fi
 /// @returns the exit code
 int examine_problem_files(const std::vector<std::string>& files, bool json, const Examine& examine);
 
+/// The names of the contacts of a step "F.scenes#120"; none of any other file, and where the step has none.
+std::vector<std::string> contact_names(const std::string& file);
+
 /// Every metric by its name, and the worst row.
 Json errors_json(const Errors& errors);
 

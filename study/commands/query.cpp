@@ -37,7 +37,7 @@ std::string table_of(const report::QueryResult& result) {
     for (const Json& value : row) cells.push_back(text_of(value));
     table.add_row(std::move(cells));
   }
-  return table.empty() ? "no rows\n" : table.text(kUnlimited);
+  return table.empty() ? "no rows\n" : table.text(text_width());
 }
 
 /// @throws InputError where two columns have the same name: a JSON object would lose one of them
@@ -73,6 +73,7 @@ Action add_query_command(CLI::App& command) {
   command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
   command.add_option("FILE", arguments->file, "file with one SELECT, like the .sql files in study/report/tables")
       ->required();
+  command.add_flag_callback("--wide", lift_text_width, "break no text, however wide the lines become");
   command.add_option("--format", arguments->format, "text, csv or json")
       ->check(CLI::IsMember({"text", "csv", "json"}))
       ->capture_default_str();

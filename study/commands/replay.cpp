@@ -36,7 +36,7 @@ struct ReplayArguments {
   std::string model;                ///< of the user's robot; "": the scene's own bodies
   std::string engine;               ///< "": that of the scene
   std::int64_t steps = 0;
-  std::string out;
+  std::string out = "lcpbench-replay";
   bool fresh = false;
   bool json = false;
 };
@@ -378,7 +378,7 @@ Action add_replay_command(CLI::App& command) {
     plan->excludes(each);
   }
   add_repeatable(command, "--claim", arguments->claims, "only this claim of the plan; may be repeated")->needs(plan);
-  command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();
+  command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->capture_default_str();
   command.add_flag("--fresh", arguments->fresh, "replay anew what the folder has already");
   add_output_options(command, arguments->json);
   command.footer(

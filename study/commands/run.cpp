@@ -34,6 +34,7 @@ struct RunArguments {
   std::optional<std::uint64_t> seed;
   std::optional<int> jobs;
   std::optional<double> budget_s;
+  std::optional<double> solved_at;
   std::string store;
   std::string shard;
   std::optional<std::int64_t> list_shards;
@@ -119,6 +120,7 @@ Plan make_plan(const RunArguments& arguments) {
   if (!arguments.start.empty()) plan.start_last = true;
   if (arguments.seed) plan.seed = *arguments.seed;
   if (arguments.jobs) plan.jobs = arguments.jobs;
+  if (arguments.solved_at) plan.solved_at = arguments.solved_at;
   if (arguments.budget_s) plan.budget_s = *arguments.budget_s > 0 ? arguments.budget_s : std::nullopt;
   return plan;
 }
@@ -163,6 +165,22 @@ void add_run(Store& store, const Plan& plan, const Study& study, const RunOption
   record_run(store, started, origin);
 }
 
+/// @throws InputError if the store has answers that were judged by another bound than the plan's.
+void require_bound(Store& store, const Plan& plan) {
+  const auto words = [](const Json& bound) {
+    return bound.is_null() ? "the default bound" : "--solved-at " + bound.dump();
+  };
+  const Json wanted = plan.solved_at ? Json(*plan.solved_at) : Json();
+  const Json::json_pointer place("/plan/solved_at");
+  for (const std::string& run : store.runs()) {
+    const Json origin = Json::parse(run, nullptr, false);
+    const Json bound = origin.contains(place) ? origin[place] : Json();
+    if (bound == wanted) continue;
+    throw InputError(fmt::format("{}: judged by {} so far, not by {}: use another store (--fresh replaces it)",
+                                 store.file().string(), words(bound), words(wanted)));
+  }
+}
+
 /// What the run cost, for `--costs`.
 /// @param start_s  processor time before the first problem
 void add_end(Store& store, const RunOptions& options, double start_s, double bytes) {
@@ -201,8 +219,9 @@ std::string end_text(Store& store, const report::Report& report, const std::stri
   return (all_tables || fits ? whole : "") + first + answer + failures + next;
 }
 
+/// @param named  the solvers that the user named
 int report_end(const RunArguments& arguments, const RunOutcome& outcome, const Plan& plan, Store& store,
-               ProgressLine& line) {
+               const std::vector<std::string>& named, ProgressLine& line) {
   const std::string file = store.file().string();
   const std::string done = fmt::format("{}{} of {} cells", outcome.counted ? "" : "at least ",
                                        format_count(outcome.already_done + outcome.progress.done),
@@ -214,7 +233,7 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
   }
   line.show("reading the results");
   const report::Report report = report::read_report(store);
-  report::fill_tables(store, report);
+  report::fill_tables(store, report, named);
   line.clear();
   std::string head = fmt::format("{} in {}, {}\n{}", done, clock_text(outcome.progress.elapsed_s), printable(file),
                                  report::coverage_text(report.summary.coverage));
@@ -329,8 +348,13 @@ int run(const RunArguments& arguments) {
   if (arguments.fresh) Store::remove(file);
   Store store = Store::open_for_writing(file, told_on_stderr());
   print_notice(store);
+  require_bound(store, plan);
   warn_of_other_build(store);
 
+  std::vector<std::string> named;
+  for (const StudySolver& solver : study.solvers) {
+    if (!arguments.solvers.empty()) named.push_back(solver.row.text());
+  }
   options.stop = catch_interrupts(kExitInterrupted);
   double bytes = 0;
   double next_look_s = 0;
@@ -345,7 +369,7 @@ int run(const RunArguments& arguments) {
     options.on_partial_results = [&](Store& partial) {
       line.clear();
       const report::Report report = report::read_report(partial);
-      report::fill_tables(partial, report);
+      report::fill_tables(partial, report, named);
       say(stdout, "so far:\n{}\n", answer_text(partial, report, text_width(), kAnswerLines));
       std::fflush(stdout);
     };
@@ -357,7 +381,7 @@ int run(const RunArguments& arguments) {
   const RunOutcome outcome = run_study(study, store, options);
   line.clear();
   add_end(store, options, start_s, bytes);
-  return report_end(arguments, outcome, plan, store, line);
+  return report_end(arguments, outcome, plan, store, named, line);
 }
 
 }  // namespace
@@ -383,6 +407,7 @@ Action add_run_command(CLI::App& command) {
   command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
   command.add_option("--budget", arguments->budget_s, "seconds after which no problem is begun; 0: no limit")
       ->check(number_check(0, 1e7));
+  add_solved_at(command, arguments->solved_at);
   command.add_option("--store", arguments->store, "file of the results (default: PLAN.db)");
   command.add_option("--shard", arguments->shard, "I/N: only the I-th of N parts, for lcpbench merge");
   CLI::Option* const costs =

@@ -28,6 +28,7 @@ struct SolveArguments {
   std::vector<std::string> solvers;
   double time_limit_s = 10.0;
   double max_velocity_error = 0;  ///< m/s; 0: the problem's own model of friction
+  std::optional<double> solved_at;
   bool json = false;
 };
 
@@ -42,6 +43,7 @@ struct Attempt {
   Vector velocity;
   std::string note;  ///< why there are no errors; "" when there are
   std::string why;   ///< why the verdict is not solved; "" when it is
+  std::size_t place = 0;  ///< among the solvers as they were asked for
 
   /// Set-up and solve, thread CPU time: what other programs do at the moment is not the solver's. Infinite where no
   /// time is known.
@@ -73,6 +75,9 @@ class Solvers {
     }
     return fitting;
   }
+
+  /// Whether the user named the solvers.
+  bool named() const { return !asked_for_.empty(); }
 
   TimedSolver& opened(const Spec& spec) {
     std::unique_ptr<TimedSolver>& solver = opened_[spec.text()];
@@ -118,15 +123,14 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
     case Truth::kUnsolvable:
     case Truth::kNearly: {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
-      return proves != attempts.end() ? "the proof of " + proves->solver.text() + " is valid" : exact();
+      return proves != attempts.end() ? "the proof of " + solver_label(proves->solver.text()) + " is valid" : exact();
     }
-    case Truth::kSolvable: {
-      if (judge.findings().has(Evidence::kTheory)) return "by theory";
-      if (judge.certificate()) return exact();
+    case Truth::kSolvable: return judge.findings().has(Evidence::kTheory) ? "by theory" : exact();
+    case Truth::kAnswered: {
       const auto solves = [](const Attempt& a) {
         return a.model == FrictionModel::kPyramid && a.judgement.errors.solved;
       };
-      return first(solves)->solver.text() + " solved it";
+      return solver_label(first(solves)->solver.text()) + " solved it";
     }
   }
   return "";
@@ -158,9 +162,9 @@ int rank(const Attempt& attempt) {
 /// does not start has none: stderr says why, and `all_started` becomes false. Once `*stop` is not 0, no further solver
 /// runs.
 std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file, Solvers& solvers,
-                                 BoundedCertifier& certifier, double time_limit_s,
+                                 BoundedCertifier& certifier, const SolveArguments& arguments,
                                  const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
-  Judge judge(problem, certifier);
+  Judge judge(problem, certifier, arguments.solved_at);
   std::vector<Attempt> attempts;
   const std::vector<Spec> chosen = solvers.choose(problem, file);
   const bool once = are_timed_once(chosen);
@@ -168,7 +172,8 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     if (*stop != 0) break;
     if (progress.is_on_terminal()) progress.show("solving with " + spec.text());
     try {
-      attempts.push_back(attempt(problem, spec, solvers.opened(spec), judge, time_limit_s, once));
+      attempts.push_back(attempt(problem, spec, solvers.opened(spec), judge, arguments.time_limit_s, once));
+      attempts.back().place = attempts.size();
     } catch (const WorkerError& error) {
       all_started = false;
       say(stderr, "lcpbench: {}\n", error.what());
@@ -183,8 +188,9 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     each.truth = each.model == FrictionModel::kPyramid ? judge.findings().truth() : Truth::kUnknown;
     each.verdict = verdict(answer.claim, errors, each.truth);
     each.least_violation_m_per_s = least_violation_m_per_s;
-    each.why =
-        why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by, each.truth});
+    if (each.verdict == Verdict::kSolved) continue;
+    each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by,
+                                        each.truth, each.model, contact_names(file)});
   }
   std::ranges::stable_sort(attempts, {}, [](const Attempt& each) { return std::pair(rank(each), each.time_s()); });
   return attempts;
@@ -219,14 +225,14 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
 void print_velocity(const Attempt& best) {
   const std::string numbers = few_numbers(best.velocity);
   if (best.verdict != Verdict::kSolved || numbers.empty()) return;
-  say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", best.solver.text(), numbers);
+  say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", solver_label(best.solver.text()), numbers);
 }
 
 /// Which impulses z has, where the solver tells.
 void print_impulses(const Attempt& best) {
   const Impulses impulses = best.timed.answer.impulses;
   if (best.verdict != Verdict::kSolved || impulses == Impulses::kUnstated) return;
-  say_folded("impulses ({}): {}\n", best.solver.text(),
+  say_folded("impulses ({}): {}\n", solver_label(best.solver.text()),
              impulses == Impulses::kEven ? "even: those that equally stiff contacts would carry"
                                          : "any of those that give this motion; impulses=even chooses");
 }
@@ -268,8 +274,8 @@ void print_difference(const char* condition, const FastestContact& difference) {
   if (difference.contact < 0) {
     say_folded("{} no contact would move differently\n", condition);
   } else {
-    say_folded("{} contact {} (row {}) would move differently by {:.3g} m/s\n", condition, difference.contact + 1,
-               difference.contact, difference.m_per_s);
+    say_folded("{} contact {} would move differently by {:.3g} m/s\n", condition, difference.contact,
+               difference.m_per_s);
   }
 }
 
@@ -296,24 +302,42 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts) 
     other = &each;
   }
   if (other == nullptr) return;
-  say_folded("another verified answer moves differently by {:.3g} m/s, at contact {} (row {}): {} against {}; both "
-             "pass the check\n",
-             worst.m_per_s, worst.contact + 1, worst.contact, other->solver.text(), first.solver.text());
+  say_folded("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both pass the "
+             "check\n",
+             worst.m_per_s, worst.contact, solver_label(other->solver.text()), solver_label(first.solver.text()));
 }
 
-/// One sentence for each reason, with all solvers that it holds for.
-void print_reasons(const std::vector<Attempt>& attempts) {
+/// One sentence for each reason, with all solvers that it holds for, in kMostLines at most: of the engine, and of the
+/// solvers that the user named.
+void print_reasons(const std::vector<Attempt>& attempts, bool named) {
+  constexpr std::ptrdiff_t kMostLines = 40;
   std::vector<std::pair<std::string, std::string>> reasons;  // reason, solvers
+  std::size_t left_out = 0;
   for (const Attempt& each : attempts) {
     if (each.why.empty()) continue;
+    if (!named && each.solver.name != "engine") {
+      ++left_out;
+      continue;
+    }
     const auto known = std::ranges::find(reasons, each.why, &std::pair<std::string, std::string>::first);
     if (known == reasons.end()) {
-      reasons.emplace_back(each.why, each.solver.text());
+      reasons.emplace_back(each.why, solver_label(each.solver.text()));
     } else {
-      known->second += ", " + each.solver.text();
+      known->second += ", " + solver_label(each.solver.text());
     }
   }
-  for (const auto& [why, solvers] : reasons) say_folded("{} {}\n", solvers, why);
+  std::ptrdiff_t lines = 0;
+  for (const auto& [why, solvers] : reasons) {
+    const std::string text = folded(fmt::format("{} {}\n", solvers, why), text_width());
+    lines += std::ranges::count(text, '\n');
+    if (lines < kMostLines) {
+      say(stdout, "{}", text);
+    } else {
+      ++left_out;
+    }
+  }
+  if (left_out > 0)
+    say_folded("{} without a solution: --solver NAME says why\n", counted_noun(left_out, "more solver"));
 }
 
 void print_nearly(const std::vector<Attempt>& attempts) {
@@ -328,11 +352,11 @@ void print_conclusion(const std::vector<Attempt>& attempts) {
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
   const Attempt& best = attempts.front();
   if (solved > 0 && std::isfinite(best.time_s())) {
-    text += fmt::format("; the fastest is {}: {}", best.solver.text(), format_seconds(best.time_s()));
+    text += fmt::format("; the fastest is {}: {}", solver_label(best.solver.text()), format_seconds(best.time_s()));
   }
   std::vector<std::string> wrong;
   for (const Attempt& each : attempts) {
-    if (each.verdict == Verdict::kWrong) wrong.push_back(each.solver.text());
+    if (each.verdict == Verdict::kWrong) wrong.push_back(solver_label(each.solver.text()));
   }
   if (!wrong.empty()) text += fmt::format("; claims that are false: {}", fmt::join(wrong, ", "));
   say_folded("{}\n", text);
@@ -377,17 +401,21 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
   return table_text(columns, rows);
 }
 
-void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts,
-                    const Json& rows, const ModelErrors& model_errors) {
+void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, Json rows,
+                    const ModelErrors& model_errors, bool named) {
   say_folded("{}\n", problem_summary_text(problem, file));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
     return;
   }
+  if (named) {  // in the order in which the user named them
+    const Json by_rank = rows;
+    for (std::size_t i = 0; i < attempts.size(); ++i) rows[attempts[i].place - 1] = by_rank[i];
+  }
   const std::string table = attempts_table(problem, attempts, rows);
   say(stdout, "{}", table);
   if (table.find("model's m/s") != std::string::npos) say_folded("{}", kTwoErrors);
-  print_reasons(attempts);
+  print_reasons(attempts, named);
   print_nearly(attempts);
   print_conclusion(attempts);
   print_spread(problem, attempts);
@@ -411,14 +439,13 @@ int solve(const SolveArguments& arguments) {
   std::optional<std::string> soft_engine;
   const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
     bool started = true;
-    auto attempts = attempts_on(problem, file, solvers, certifier, arguments.time_limit_s, stop, progress, started);
+    auto attempts = attempts_on(problem, file, solvers, certifier, arguments, stop, progress, started);
     all_started = all_started && started;
     total.add_problem();
     for (const Attempt& each : attempts) {
       one_crashed = one_crashed || each.timed.answer.claim == Claim::kCrashed;
       const Errors& errors = each.judgement.errors;
-      const double error = problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
-      total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, error, each.time_s());
+      total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, errors.measure(), each.time_s());
       const bool own = each.solver.name == "engine" && each.verdict == Verdict::kWrong && !problem.contact()->is_soft();
       if (own && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
     }
@@ -432,7 +459,7 @@ int solve(const SolveArguments& arguments) {
     }
     if (arguments.json) return;
     if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, rows, errors);
+      print_attempts(problem, file, attempts, rows, errors, solvers.named());
     }
     rows.clear();
   };
@@ -459,6 +486,7 @@ Action add_solve_command(CLI::App& command) {
                   "is at most this")
       ->check(number_check(1e-12, 1e6))
       ->excludes("--solver");
+  add_solved_at(command, arguments->solved_at)->excludes("--max-velocity-error");
   add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
   add_output_options(command, arguments->json);
   command.footer(

@@ -54,12 +54,10 @@ std::string why_missed(const Mixture& mixture, double error_m_per_s) {
     const ModelAnswer& chosen = mixture.climbs[i].chosen;
     const Index first = mixture.islands[i].contacts.front();
     if (!chosen.answered()) {
-      return fmt::format("the island of contact {} (row {}) has no answer: {}", first + 1, first,
-                         to_string(chosen.claim));
+      return fmt::format("the island of contact {} has no answer: {}", first, to_string(chosen.claim));
     }
     if (!mixture.climbs[i].met) {
-      return fmt::format("the finest model of the island of contact {} (row {}) leaves {:.2e} m/s", first + 1, first,
-                         chosen.error_m_per_s);
+      return fmt::format("the finest model of the island of contact {} leaves {:.2e} m/s", first, chosen.error_m_per_s);
     }
   }
   return fmt::format("a contact that nothing moves violates its conditions by more than {} m/s", error_m_per_s);

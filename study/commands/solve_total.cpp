@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "study/output/columns.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
 #include "study/statistics/statistics.h"
@@ -44,8 +45,9 @@ std::string SolveTotal::text(int width) const {
                    {"median time", TextTable::Align::kRight, 1}});
   std::string commands;
   for (const Row& row : rows) {
-    table.add_row({row.solver, format_count(row.solved), format_count(row.unsolvable), format_count(row.wrong),
-                   format_count(row.missed), format_count(problems_ - row.taken), format_seconds(time(row))});
+    table.add_row({solver_label(row.solver), format_count(row.solved), format_count(row.unsolvable),
+                   format_count(row.wrong), format_count(row.missed), format_count(problems_ - row.taken),
+                   format_seconds(time(row))});
     if (row.worst_file.empty()) continue;
     commands += report::command_text(
         fmt::format("lcpbench solve {} --solver {}", shell_word(file_argument(row.worst_file)),

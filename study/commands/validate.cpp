@@ -53,7 +53,10 @@ Plan make_plan(const ValidateArguments& arguments) {
 
 /// Makes a new folder lcpbench-NAME-XXXXXX among the temporary files, with six random characters at the end.
 std::filesystem::path make_own_folder(const char* name) {
-  std::string pattern = (std::filesystem::temp_directory_path() / fmt::format("lcpbench-{}-XXXXXX", name)).string();
+  std::error_code none;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(none);
+  if (none) throw InputError(fmt::format("TMPDIR '{}' is no folder", std::getenv("TMPDIR")));  // else it is /tmp
+  std::string pattern = (folder / fmt::format("lcpbench-{}-XXXXXX", name)).string();
   if (mkdtemp(pattern.data()) == nullptr) {
     throw InputError(fmt::format("{}: cannot be made: {} (TMPDIR names another folder)", pattern,
                                  std::error_code(errno, std::generic_category()).message()));

@@ -72,6 +72,15 @@ Quad ConeFriction::convex_residual(Index contact, const QuadVector& z, const Qua
   return finite_or_infinity(length_of(scaled - height, missing.length()));
 }
 
+void ConeFriction::describe(Index contact, const QuadVector& z, const QuadVector& w, WorstRow& worst) const {
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, w);
+  worst.slip = to_double(slip.length());
+  worst.separation = to_double(w[static_cast<std::size_t>(contact)]);
+  worst.normal = to_double(normal(contact, z));
+  worst.friction = to_double(f.length());
+  worst.opposing = -to_double(quotient(f.first * slip.first + f.second * slip.second, f.length() * slip.length()));
+}
+
 Quad ConeFriction::lack(Index contact, const QuadVector& z, const QuadVector& w) const {
   const Tangential slip = relative_slip(contact, z, w);
   return Quad(problem_.mu(contact)) * slip.length() - w[static_cast<std::size_t>(contact)];

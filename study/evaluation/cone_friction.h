@@ -2,6 +2,7 @@
 
 #include "core/contact_problem.h"
 #include "study/evaluation/contact_lcp.h"
+#include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
 
@@ -26,6 +27,8 @@ class ConeFriction {
   /// m | f - P(f - w / m) | [m/s], P the nearest point of the cone |f_t| <= mu f_N, m the larger of M_nn and M_tt: zero
   /// where the conditions of the convex model hold. Infinity where it is not finite.
   Quad convex_residual(Index contact, const QuadVector& z, const QuadVector& w) const;
+  /// Sets what a WorstRow says of its contact.
+  void describe(Index contact, const QuadVector& z, const QuadVector& w, WorstRow& worst) const;
   /// mu |w_t| - w_N [m/s]: at most zero where w is in the dual cone mu |w_t| <= w_N.
   Quad lack(Index contact, const QuadVector& z, const QuadVector& w) const;
   /// f'w [J].

@@ -1,5 +1,6 @@
 #include "study/evaluation/contact_evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -43,10 +44,17 @@ QuadVector ContactEvaluation::measure_residual(const QuadVector& z, const QuadVe
     errors.worst = {static_cast<Index>(worst), to_double(z[worst]), to_double(w[worst]), to_double(residual),
                     to_double(scale)};
   }
+  if (errors.worst.row >= static_cast<Index>(lcp->impulses())) {
+    const ContactLayout& layout = lcp->layout();
+    const auto worst = static_cast<std::size_t>(errors.worst.row);
+    const auto contact = static_cast<std::size_t>(layout.cone_contact[worst - lcp->impulses()]);
+    const auto first = w.begin() + layout.friction_offset();
+    errors.worst.slip = to_double(z[worst] - *std::min_element(first + layout.friction_begin[contact],
+                                                               first + layout.friction_begin[contact + 1]));
+  }
   errors.velocity_residual_m_per_s = to_double(largest);
   errors.velocity_residual_relative = to_double(rho);
-  errors.solved =
-      errors.velocity_residual_relative <= kSolvedVelocityResidual && std::isfinite(errors.velocity_residual_m_per_s);
+  errors.decide(kSolvedVelocityResidual);
   return residuals;
 }
 

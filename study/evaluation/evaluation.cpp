@@ -96,9 +96,9 @@ Errors bare_errors(const Lcp& lcp, const IslandRows& islands, const Answer& answ
   const QuadVector z = numbers(answer.z);
   const QuadVector w = complement(lcp, z);
   if (!measure_rows(z, w, w, errors)) return errors;
-  const BackwardError backward = mixed_backward_error(lcp, z, w, islands);
+  const BackwardError backward = backward_error(lcp, z, w, islands);
   errors.backward_row_norm = to_double(backward.error);
-  errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
+  errors.decide(kSolvedBackwardError);
   if (backward.row) {
     errors.worst = {.row = static_cast<Index>(*backward.row),
                     .z = answer.z(static_cast<Index>(*backward.row)),

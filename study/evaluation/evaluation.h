@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bitset>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -16,7 +17,7 @@ inline constexpr double kSolvedVelocityResidual = 1e-4;
 /// The verdict's bound on the error of a velocity that an answer to a contact problem comes with.
 inline constexpr double kSolvedReturnedVelocity = 1e-4;
 /// The verdict's bound on the backward error of a bare LCP.
-inline constexpr double kSolvedBackwardError = 1e-9;
+inline constexpr double kSolvedBackwardError = 1e-6;
 /// The paper's criterion: bounds on the work gain [J] and on the normal violation [m/s].
 inline constexpr double kCriterionWork = 1e-3;
 inline constexpr double kCriterionViolation = 1e-3;
@@ -30,6 +31,12 @@ struct WorstRow {
   double w = kNone;
   double residual = kNone;  ///< [m/s]; contact problems only
   double scale = kNone;     ///< of the row's island [m/s]; contact problems only
+  // Of a cone row: how its contact moves, and what it carries. But for the slip, of the cone and the convex model only.
+  double slip = kNone;        ///< sliding speed, with offsets and compliance [m/s]
+  double separation = kNone;  ///< w_N [m/s]
+  double normal = kNone;      ///< f_N [N s]
+  double friction = kNone;    ///< |f_t| [N s]
+  double opposing = kNone;    ///< cosine between friction and the opposite of the slip
 };
 
 /// Where a returned velocity is furthest from the one that z implies.
@@ -61,7 +68,8 @@ struct Errors {
   /// solver together, see measure_friction(). NaN without friction, and where the friction directions name no cone.
   double model_error_m_per_s = kNone;
   double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  double backward_row_norm = kNone;       ///< eta_mix of the worst island; bare LCPs only
+  /// The verdict's measure of bare LCPs, see backward_error(): the largest |min(c_i z_i, w_i)| / (|q_i| + c_i max|z|).
+  double backward_row_norm = kNone;
   double forward_velocity = kNone;        ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
   /// (|G| (|u| + |v|) + |J| f)_i, the scale of rounding in it. 1e-16 is rounding; above 1e-9 u and z are two answers.
@@ -92,13 +100,25 @@ struct Errors {
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
-  /// 113 bits do not tell what G* is: no measure is known. See QuadInertia.
+  /// Not measured: 113 bits do not tell what G* is (see QuadInertia), or the friction directions name no round cone, by
+  /// which the answer is to be measured.
   bool unresolved = false;
-  /// rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), r (eta) is no overflow, and velocity_passes().
+  double limit = kSolvedVelocityResidual;  ///< on measure(), by which `solved` was decided
+  /// measure() <= limit, r is no overflow, and velocity_passes().
   bool solved = false;
   /// Passes the paper's criterion: no test of sign, cone, complementarity (contact only). Of an offset the work that a
   /// solution may gain by it, -b'f_N, is allowed.
   bool criterion = false;
+
+  /// rho, or the backward error of a bare LCP.
+  double measure() const {
+    return std::isnan(velocity_residual_relative) ? backward_row_norm : velocity_residual_relative;
+  }
+  /// Decides `solved` by this bound.
+  void decide(double bound) {
+    limit = bound;
+    solved = measure() <= limit && !std::isinf(velocity_residual_m_per_s) && velocity_passes();
+  }
 
   /// Also where no velocity came back.
   bool velocity_passes() const { return !(returned_velocity_error > kSolvedReturnedVelocity); }
@@ -113,7 +133,7 @@ struct Metric {
 
 /// The version of the store's format. It rises when the meaning of a verdict, the stored measures below or the store's
 /// schema change, so that answers judged by two definitions do not meet in one store.
-inline constexpr std::int64_t kVerdictVersion = 10;
+inline constexpr std::int64_t kVerdictVersion = 11;
 
 /// Every measure, in the order of the columns. All code that writes, reads, merges or prints all measures uses this
 /// table.
@@ -142,15 +162,16 @@ struct Judgement {
   double verify_s = 0;       ///< thread CPU time that finding this out took; set by a Judge
 };
 
-/// Whether a problem is known to have a solution, by any evidence.
+/// Whether a problem is proven to have a solution. An answer within the tolerance proves none.
 enum class Truth {
   kUnknown,
   kSolvable,
   kUnsolvable,
-  kNearly,  ///< contacts that are proven to have no exact solution, and to which a passing answer is known
+  kNearly,    ///< it is proven to have no exact solution, and a passing answer is known
+  kAnswered,  ///< nothing is proven, and a passing answer is known: "unknown" to all readers
 };
 
-/// "unknown", "solvable", "unsolvable", "nearly".
+/// "unknown", "solvable", "unsolvable", "nearly"; of kAnswered "unknown".
 const char* to_string(Truth truth);
 
 /// The kinds of evidence for a problem's truth.
@@ -160,7 +181,6 @@ enum class Evidence {
   kTheory,      ///< see Evaluator::truth
   kCertifiedSolution,
   kSolvedAnswer,
-  kSolvedContacts,  ///< a solved answer to a contact problem
 };
 
 /// The rule of truth: the first line that there is evidence of decides. The view `truths` of a store is made of it.
@@ -171,13 +191,13 @@ struct TruthRule {
 };
 
 inline constexpr std::array kTruthRules{
-    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kNearly, Evidence::kSolvedContacts},
-    TruthRule{Evidence::kValidProof, Truth::kNearly, Evidence::kSolvedContacts},
+    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kNearly, Evidence::kSolvedAnswer},
+    TruthRule{Evidence::kValidProof, Truth::kNearly, Evidence::kSolvedAnswer},
     TruthRule{Evidence::kCertifiedUnsolvable, Truth::kUnsolvable},
     TruthRule{Evidence::kValidProof, Truth::kUnsolvable},
     TruthRule{Evidence::kTheory, Truth::kSolvable},
     TruthRule{Evidence::kCertifiedSolution, Truth::kSolvable},
-    TruthRule{Evidence::kSolvedAnswer, Truth::kSolvable}};
+    TruthRule{Evidence::kSolvedAnswer, Truth::kAnswered}};
 
 /// The evidence about one problem.
 class Findings {
@@ -190,7 +210,7 @@ class Findings {
   Truth truth() const;
 
  private:
-  std::bitset<static_cast<std::size_t>(Evidence::kSolvedContacts) + 1> found_;
+  std::bitset<static_cast<std::size_t>(Evidence::kSolvedAnswer) + 1> found_;
 };
 
 /// The verdict on an answer, from its claim, its measures and the problem's truth.
@@ -199,8 +219,8 @@ enum class Verdict {
   kWrong,       ///< claimed solved and is not: a false claim
   kUnsolvable,  ///< the problem is proven to have no solution; where it is nearly solvable, the claim says so
   kRefused,     ///< the problem is outside what the solver takes, and is not proven to have no solution
-  kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable, or nearly
-  kOpen,        ///< no passing answer and no truth, or an answer beyond the arithmetic of the measures
+  kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable or another answer passes
+  kOpen,        ///< no passing answer and no truth, or an answer that is not measured
 };
 
 /// The rule of verdicts: the first line whose conditions all hold decides. docs/explanation/verdicts.md spells out
@@ -226,6 +246,8 @@ inline constexpr std::array kVerdictRules{
     VerdictRule{.verdict = Verdict::kRefused, .claim = Claim::kUnsupported},
     VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kSolvable},
     VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kNearly},
+    VerdictRule{.verdict = Verdict::kOpen, .claim = Claim::kUnsolvable, .truth = Truth::kAnswered},
+    VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kAnswered},
     VerdictRule{.verdict = Verdict::kOpen}};
 
 inline constexpr std::size_t kVerdicts = 6;
@@ -238,7 +260,6 @@ inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{Verdict::kSolved,  
 const char* to_string(Verdict verdict);
 
 /// The verdict on an answer, by the rule.
-/// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 
 /// Evaluates answers to one problem. Parts of M are formed when an answer first needs them; M as a whole never is for a

@@ -50,12 +50,14 @@ void measure_by_cone(ContactEvaluation& evaluation, const RowIslands& islands, c
           .w = to_double(slack)},
          convex ? friction.convex_residual(contact, z, rows) : friction.residual(contact, z, rows));
   }
+  if (const Index cone = errors.worst.row - layout.lambda_offset(); cone >= 0) {
+    friction.describe(layout.cone_contact[static_cast<std::size_t>(cone)], z, rows, errors.worst);
+  }
   errors.velocity_residual_m_per_s = to_double(largest);
   if (!convex) errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
   errors.velocity_residual_relative = to_double(rho);
   errors.cone_violation = to_double(excess);
-  errors.solved = errors.velocity_residual_relative <= kSolvedVelocityResidual &&
-                  std::isfinite(errors.velocity_residual_m_per_s) && errors.velocity_passes();
+  errors.decide(kSolvedVelocityResidual);
 }
 
 /// |v+ - v*|_G / |v+ - v|_G or more, but for rounding in 113 bits, for an answer to the convex model, v* the velocity
@@ -139,8 +141,8 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   const RowIslands islands = row_islands(*contact);
   const IslandRows rows(islands);
   ContactEvaluation evaluation(*contact, rows);
-  errors.unresolved = evaluation.inertia.unresolved();
-  if (!evaluation.lcp || !why_no_round_cone(*contact).empty()) return;
+  errors.unresolved = evaluation.inertia.unresolved() || !why_no_round_cone(*contact).empty();
+  if (!evaluation.lcp || errors.unresolved) return;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(evaluation, answer.z);
 }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "study/evaluation/evaluation.h"
 
@@ -19,7 +18,8 @@ const char* to_string(Verdict verdict) {
 
 const char* to_string(Truth truth) {
   switch (truth) {
-    case Truth::kUnknown: return "unknown";
+    case Truth::kUnknown:
+    case Truth::kAnswered: return "unknown";
     case Truth::kSolvable: return "solvable";
     case Truth::kUnsolvable: return "unsolvable";
     case Truth::kNearly: return "nearly";
@@ -29,10 +29,7 @@ const char* to_string(Truth truth) {
 
 void Findings::add(const Judgement& judgement) {
   if (judgement.proof_holds) add(Evidence::kValidProof);
-  if (!judgement.errors.solved) return;
-  add(Evidence::kSolvedAnswer);
-  const bool has_contacts = !std::isnan(judgement.errors.velocity_residual_relative);
-  if (has_contacts) add(Evidence::kSolvedContacts);
+  if (judgement.errors.solved) add(Evidence::kSolvedAnswer);
 }
 
 Truth Findings::truth() const {

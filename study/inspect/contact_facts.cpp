@@ -209,7 +209,7 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
   const Json rank = count == problem.nc() ? facts["rank_N"]
                                           : rank_json(N(Eigen::all, rigid), normals(Eigen::all, rigid), kVisible);
   const Index exact = rank["exact"];
-  const Index visible = rank["visible"];
+  const Index visible = rank["visible"].is_null() ? exact : rank["visible"].get<Index>();
   inspection.difficulty(exact < count, "redundant_contacts", static_cast<double>(count - exact),
                         fmt::format("{} of {} rigid contacts depend on the others (rank of their N is {}): impulses "
                                     "are not unique, and M is singular",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -87,6 +88,7 @@ void warn_of_scaling(const Matrix& M, bool contact, double condition, Inspection
                         fmt::format("rows, columns or diagonal entries of M spread over a factor of {:.3g}: no "
                                     "absolute tolerance suits all of them",
                                     widest));
+  if (!M.allFinite()) entries.add(std::numeric_limits<double>::infinity());  // where an infinity met a zero, NaN stands
   const double extreme = entries.low < kSmallestSafe ? entries.low : entries.high;
   inspection.difficulty(extreme < kSmallestSafe || extreme > kLargestSafe, "extreme_magnitude", extreme,
                         fmt::format("M has an entry of {:.3g}: products underflow or overflow", extreme));

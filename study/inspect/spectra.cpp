@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "study/certify/integers.h"
 #include "study/output/json_output.h"
@@ -136,7 +138,8 @@ Json spectrum_json(const Spectrum& spectrum) {
 }
 
 Json rank_json(const Matrix& A, const Matrix& in_units, double visible) {
-  return {{"exact", rank_of_doubles(A)}, {"visible", numerical_rank(in_units, visible)}};
+  return {{"exact", A.allFinite() ? Json(rank_of_doubles(A)) : Json()},
+          {"visible", in_units.allFinite() ? Json(numerical_rank(in_units, visible)) : Json()}};
 }
 
 double nonzero_condition(const Spectrum& spectrum) {
@@ -180,8 +183,8 @@ QuadMatrix unit_diagonal(const QuadMatrix& A) {
 }
 
 Index rank_of_doubles(const Matrix& A) {
-  constexpr mp_limb_t kPrime = (UWORD(1) << 62) - 57;
-  return nmod_mat_rank(exact::Residues(exact::to_dyadic(A).m, kPrime).get());
+  const exact::Deadline none(std::numeric_limits<double>::infinity());
+  return std::ssize(exact::independent_columns(exact::to_dyadic(A).m, none));
 }
 
 }  // namespace lcpbench

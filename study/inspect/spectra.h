@@ -71,7 +71,7 @@ Index rank_of_doubles(const Matrix& A);
 Matrix unit_columns(Matrix A);
 
 /// "exact": the rank of A. "visible": the number of singular values above `visible` times the largest one, of
-/// `in_units` (A in other units) with its columns scaled to length 1.
+/// `in_units` (A in other units) with its columns scaled to length 1. Null where an entry is not finite.
 Json rank_json(const Matrix& A, const Matrix& in_units, double visible);
 
 }  // namespace lcpbench

@@ -1,5 +1,7 @@
 #include "study/output/columns.h"
 
+#include "core/spec.h"
+
 namespace lcpbench {
 
 JsonCell field(const std::string& path, std::string (*format)(double)) {
@@ -11,9 +13,17 @@ JsonCell field(const std::string& path, std::string (*format)(double)) {
   };
 }
 
+std::string solver_label(const std::string& spec) {
+  if (!spec.starts_with("external{")) return spec;
+  for (const auto& [setting, value] : parse_spec(spec).options) {
+    if (setting == "name") return value;
+  }
+  return spec;
+}
+
 std::string solver_text(const Json& row) {
   const std::string settings = row.at("settings").get<std::string>();
-  return row.at("solver").get<std::string>() + (settings.empty() ? "" : "{" + settings + "}");
+  return solver_label(row.at("solver").get<std::string>() + (settings.empty() ? "" : "{" + settings + "}"));
 }
 
 std::string table_text(const std::vector<JsonColumn>& columns, const Json& rows, int width) {

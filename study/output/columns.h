@@ -23,7 +23,11 @@ struct JsonColumn {
 /// throws Json::out_of_range if the field is missing.
 JsonCell field(const std::string& path, std::string (*format)(double) = nullptr);
 
-/// "name" or "name{settings}" of the fields `solver` and `settings`.
+/// What a solver is called, whose spec is "name" or "name{settings}": the setting `name` of an external one, else the
+/// spec.
+std::string solver_label(const std::string& spec);
+
+/// solver_label() of the fields `solver` and `settings`.
 std::string solver_text(const Json& row);
 
 /// The text of a TextTable with these columns.

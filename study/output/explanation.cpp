@@ -4,69 +4,117 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
+
+#include "core/round_cone.h"
 
 namespace lcpbench {
 namespace {
 
-/// Format strings that say what is wrong in a row, with its z as {z} and |w| as {w}.
-struct RowWords {
-  std::string subject;
-  const char* negative_z;
-  const char* negative_w;
-  const char* both;  ///< z and w both positive
-};
+/// "5.4 mm/s", "0.25 m/s".
+std::string speed(double m_per_s) {
+  const double magnitude = std::abs(m_per_s);
+  return magnitude < 0.1 ? fmt::format("{:.3g} mm/s", 1000 * magnitude) : fmt::format("{:.3g} m/s", magnitude);
+}
 
-RowWords words_of(const ContactProblem& problem, Index row) {
-  const ContactLayout layout = contact_layout(problem);
-  if (row < problem.nc()) {
-    return {fmt::format("contact {} (row {})", row + 1, row), "has a negative normal impulse of {z:.3g} N s",
-            "still approaches at {w:.3g} m/s", "separates at {w:.3g} m/s and has a normal impulse of {z:.3g} N s"};
+std::string normal_words(double f_N, double w_N, bool negative_z, bool negative_w) {
+  if (negative_w) return "still approaches at " + speed(w_N);
+  if (negative_z) return fmt::format("has a negative normal impulse of {:.3g} N s", f_N);
+  return fmt::format("separates at {} and has a normal impulse of {:.3g} N s", speed(w_N), f_N);
+}
+
+/// Of a contact whose friction violates the conditions of the round cone. @param slack  mu f_N - |f_t|
+std::string slip_words(const WorstRow& at, double slack) {
+  if (slack < -kSolvedVelocityResidual * at.friction) {
+    return fmt::format("has more friction than its cone allows, by {:.3g} N s", -slack);
   }
-  if (row >= layout.lambda_offset()) {
-    const Index contact = layout.cone_contact[static_cast<std::size_t>(row - layout.lambda_offset())];
-    return {fmt::format("contact {} (row {})", contact + 1, row), "has a negative lambda of {z:.3g} m/s",
-            "has more friction than its cone allows, by {w:.3g} N s",
-            "has lambda = {z:.3g} m/s, and its friction is {w:.3g} N s below the limit of its cone"};
+  // By how much the friction differs from one of its size that opposes the slip.
+  if (at.friction * std::sqrt(std::max(0.0, 2 - 2 * at.opposing)) > slack) {
+    const double degrees = std::acos(std::clamp(at.opposing, -1.0, 1.0)) * 180 / std::numbers::pi;
+    return fmt::format("slides at {}, and its friction of {:.3g} N s points {:.3g} degrees away from opposing that",
+                       speed(at.slip), at.friction, degrees);
   }
-  const Index direction = row - layout.friction_offset();
+  return fmt::format("slides at {} although friction could hold it: {:.3g} N s are left", speed(at.slip), slack);
+}
+
+/// The same of the convex model, which asks for w_N >= mu |w_t|, and f'w = 0.
+std::string convex_words(const WorstRow& at, double slack, double mu) {
+  const double above = at.separation - mu * at.slip;
+  if (at.normal < 0) return normal_words(at.normal, 0, true, false);
+  if (above < 0 && slack >= -kSolvedVelocityResidual * at.friction) {
+    return fmt::format("slides at {} and {} at {}; the convex model asks it to separate at {}", speed(at.slip),
+                       at.separation < 0 ? "approaches" : "separates", speed(at.separation), speed(mu * at.slip));
+  }
+  const double missing = at.slip * (mu * at.normal - at.friction * at.opposing);
+  if (!(slack < 0) && above * at.normal > missing) {
+    return fmt::format("has a normal impulse of {:.3g} N s and separates {} faster than the convex model asks",
+                       at.normal, speed(above));
+  }
+  return slip_words(at, slack);
+}
+
+/// The contact of a row and what is wrong there.
+std::string contact_state(const ContactProblem& of, const JudgedAnswer& answer, bool negative_z, bool negative_w) {
+  const WorstRow& at = answer.errors.worst;
+  const auto words = [&](Index contact) {
+    const std::string number = fmt::format("contact {}", contact);
+    const auto& names = answer.contact_names;
+    return names.empty() ? number : fmt::format("{} ({})", number, names[static_cast<std::size_t>(contact)]);
+  };
+  const ContactLayout layout = contact_layout(of);
+  if (at.row < of.nc()) return words(at.row) + " " + normal_words(at.z, at.w, negative_z, negative_w);
+  if (at.row >= layout.lambda_offset()) {
+    const Index contact = layout.cone_contact[static_cast<std::size_t>(at.row - layout.lambda_offset())];
+    const std::string subject = words(contact) + " ";
+    if (answer.model == FrictionModel::kCone) return subject + slip_words(at, at.w);
+    if (answer.model == FrictionModel::kConvex) return subject + convex_words(at, at.w, of.mu(contact));
+    if (negative_w) return subject + fmt::format("has more friction than its cone allows, by {:.3g} N s", -at.w);
+    if (negative_z) return subject + fmt::format("has a negative sliding speed in z, of {}", speed(at.z));
+    if (!(at.slip >= 0.5 * at.z)) {
+      return subject + fmt::format("has a sliding speed of {} in z, and slides at {}", speed(at.z), speed(at.slip));
+    }
+    return subject + fmt::format("slides at {} although friction could hold it: {:.3g} N s are left", speed(at.slip),
+                                 at.w);
+  }
+  const Index direction = at.row - layout.friction_offset();
   const auto next = std::upper_bound(layout.friction_begin.begin(), layout.friction_begin.end(), direction);
   const auto contact = static_cast<std::size_t>(next - layout.friction_begin.begin()) - 1;
-  return {fmt::format("friction direction {} of contact {} (row {})", direction - layout.friction_begin[contact] + 1,
-                      contact + 1, row),
-          "has a negative impulse of {z:.3g} N s", "has a sliding speed against it that is {w:.3g} m/s above lambda",
-          "has an impulse of {z:.3g} N s, and lambda is {w:.3g} m/s above the sliding speed against it"};
+  const std::string subject = fmt::format("{}, friction direction {},", words(static_cast<Index>(contact)),
+                                          direction - layout.friction_begin[contact]);
+  if (negative_w) return fmt::format("{} slides against it {} faster than z says", subject, speed(at.w));
+  if (negative_z) return fmt::format("{} has a negative impulse of {:.3g} N s", subject, at.z);
+  return fmt::format("{} has an impulse of {:.3g} N s, and slides against it {} slower than in other directions",
+                     subject, at.z, speed(at.w));
 }
 
 /// "1e-4".
-std::string short_number(double power_of_ten) {
-  std::string text = fmt::format("{:.0e}", power_of_ten);
+std::string short_number(double x) {
+  std::string text = fmt::format("{:.0e}", x);
+  if (std::stod(text) != x) return fmt::format("{:g}", x);
   if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
   return text;
 }
 
-std::string state_of(const RowWords& words, const WorstRow& worst) {
-  const bool z_is_negative = worst.z < 0 && (!(worst.w < 0) || worst.residual != std::abs(worst.w));
-  const bool w_is_negative = worst.w < 0 && !z_is_negative;
-  const char* form = w_is_negative ? words.negative_w : z_is_negative ? words.negative_z : words.both;
-  return words.subject + " " +
-         fmt::format(fmt::runtime(form), fmt::arg("z", worst.z), fmt::arg("w", std::abs(worst.w)));
-}
-
 /// The row whose conditions the answer violates most, and by how much. @pre not errors.unresolved
-std::string worst_row_words(const Problem& problem, const Errors& errors) {
+std::string worst_row_words(const Problem& problem, const JudgedAnswer& answer) {
+  const Errors& errors = answer.errors;
   const WorstRow& worst = errors.worst;
   if (worst.row < 0) return "its error cannot be measured: the data are not finite, or the inertia is indefinite";
+  const bool negative_z = worst.z < 0 && (!(worst.w < 0) || worst.residual != std::abs(worst.w));
+  const bool negative_w = worst.w < 0 && !negative_z;
   if (const ContactProblem* contact = problem.contact()) {
     return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {}",
-                       state_of(words_of(*contact, worst.row), worst), errors.velocity_residual_relative, worst.scale,
-                       short_number(kSolvedVelocityResidual));
+                       contact_state(*contact, answer, negative_z, negative_w), errors.velocity_residual_relative,
+                       worst.scale, short_number(errors.limit));
   }
-  const RowWords words{fmt::format("row {}", worst.row), "has z = {z:.3g}, below zero", "has w = -{w:.3g}, below zero",
-                       "has z = {z:.3g} and w = {w:.3g}, but one of them must be zero"};
-  return fmt::format("{}: backward error {:.3g} of its block; the limit is {}", state_of(words, worst),
-                     errors.backward_row_norm, short_number(kSolvedBackwardError));
+  const std::string state = negative_w   ? fmt::format("has w = {:.3g}, below zero", worst.w)
+                            : negative_z ? fmt::format("has z = {:.3g}, below zero", worst.z)
+                                         : fmt::format("has z = {:.3g} and w = {:.3g}, but one of them must be zero",
+                                                       worst.z, worst.w);
+  return fmt::format("row {} {}: backward error {:.3g} of its block; the limit is {}", worst.row, state,
+                     errors.backward_row_norm, short_number(errors.limit));
 }
 
 /// How far the velocity that came with the answer is from the one that its z implies.
@@ -82,7 +130,7 @@ std::string velocity_words(const Errors& errors) {
 
 /// z passes, and the velocity beside it does not.
 bool only_velocity_fails(const Errors& errors) {
-  return errors.velocity_residual_relative <= kSolvedVelocityResidual && !errors.velocity_passes();
+  return errors.measure() <= errors.limit && !errors.velocity_passes();
 }
 
 std::string because(const JudgedAnswer& answer) {
@@ -97,20 +145,25 @@ std::string ended_with(const JudgedAnswer& answer) {
 
 std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   if (answer.claim == Claim::kSolved) {
+    const std::string no_cone = answer.model == FrictionModel::kPyramid ? "" : why_no_round_cone(*problem.contact());
+    if (!no_cone.empty()) return "said solved; not measured, because no round cone is known for " + no_cone;
     return "said solved; inertia unresolved: the answer is not measured, as 113 bits do not tell the rank of G";
   }
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {
-    return known ? "said unsolvable, but the problem has a solution" + because(answer)
-                 : "said unsolvable, but without a valid proof; it is not known whether there is a solution";
+    if (known) return "said unsolvable, but the problem has a solution" + because(answer);
+    const bool nearly = answer.truth == Truth::kAnswered;
+    return fmt::format("said unsolvable, but without a valid proof; {}it is not known whether there is {} solution",
+                       nearly ? "the problem is nearly solvable" + because(answer) + ", and " : "",
+                       nearly ? "an exact" : "a");
   }
   const char* const has_none = "is not known to have a solution";
-  const std::string has = answer.truth == Truth::kNearly ? "is nearly solvable" : "has a solution";
+  const std::string has = answer.truth == Truth::kSolvable ? "has a solution" : "is nearly solvable";
   std::string words = fmt::format("{}; the problem {}", ended_with(answer), known ? has + because(answer) : has_none);
   if (answer.unusable.empty() && only_velocity_fails(answer.errors)) {
     words += "; " + velocity_words(answer.errors);
   } else if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
-    words += "; the worst row of its z: " + worst_row_words(problem, answer.errors);
+    words += "; the worst row of its z: " + worst_row_words(problem, answer);
   }
   return words;
 }
@@ -174,7 +227,7 @@ std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
         return "said solved, but " + velocity_words(answer.errors) + ".";
       }
       return "said solved, but " +
-             (answer.unusable.empty() ? worst_row_words(problem, answer.errors) : answer.unusable) + ".";
+             (answer.unusable.empty() ? worst_row_words(problem, answer) : answer.unusable) + ".";
     case Verdict::kUnsolvable:
       return fmt::format("{} the problem is proven to have no{} solution{}.",
                          answer.claim == Claim::kUnsolvable

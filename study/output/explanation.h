@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "core/friction_model.h"
 #include "core/problem.h"
 #include "study/evaluation/evaluation.h"
 #include "study/output/json_output.h"
@@ -32,12 +34,14 @@ struct JudgedAnswer {
   std::string unusable;       ///< why_without_errors() of the answer
   std::string truth_because;  ///< how the problem's truth is known: "proof by enumeration"; "" where it is not
   Truth truth = Truth::kUnknown;
+  FrictionModel model = FrictionModel::kPyramid;  ///< that the errors are measured by
+  std::vector<std::string> contact_names;         ///< one for each contact, or none
 };
 
-/// Why the verdict is not "solved", as a sentence without its subject: "said solved, but contact 2 (row 1) still
-/// approaches at 1 m/s: residual 1 relative to its island's scale of 1 m/s; the limit is 1e-4." "" for solved.
+/// Why the verdict is not "solved", as a sentence without its subject: "said solved, but contact 1 still approaches at
+/// 1 m/s: residual 1 relative to its island's scale of 1 m/s; the limit is 1e-4." "" for solved.
 ///
-/// Contacts and their friction directions are counted from 1, rows of the LCP from 0.
+/// Contacts, their friction directions and rows of the LCP are counted from 0, as in files and arrays.
 std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer);
 
 }  // namespace lcpbench

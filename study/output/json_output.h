@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/types.h"
+#include "core/utf8.h"
 
 namespace lcpbench {
 
@@ -42,21 +43,9 @@ inline Json json_count(std::int64_t count) {
 }
 
 /// Prints one document to stdout, indented. Bytes that are not UTF-8 (of a foreign library's message) become U+FFFD.
-/// All control characters are escaped, also U+007F to U+009F, which JSON allows unescaped and terminals obey.
+/// Characters that cannot be seen are escaped (see visible()), also those that JSON allows and terminals obey.
 inline void print_json(const Json& document) {
-  const std::string text = document.dump(2, ' ', false, Json::error_handler_t::replace);
-  std::string shown;
-  shown.reserve(text.size() + 1);
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    const bool two_bytes = text[at] == '\xC2' && static_cast<unsigned char>(text[at + 1]) < 0xA0;
-    if (two_bytes) ++at;
-    if (two_bytes || text[at] == '\x7F') {
-      shown += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[at]));
-    } else {
-      shown += text[at];
-    }
-  }
-  fmt::print("{}\n", shown);
+  fmt::print("{}\n", visible(document.dump(2, ' ', false, Json::error_handler_t::replace)));
 }
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -135,13 +136,10 @@ double measure_of(const Replay& replay, std::int64_t steps, const std::string& m
 Holds holds(const FieldClaim& claim, const ClaimedScene& scene) {
   const std::vector<double>& first = scene.values.front();
   const std::vector<double>& second = scene.values[claim.steppers.size() - 1];
-  Holds result = Holds::kSame;
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    const Holds once = holds_once(claim, first[i], second[i]);
-    if (i == 0) result = once;
-    if (once != result) return Holds::kSometimes;
-  }
-  return result;
+  std::set<Holds> found;
+  for (std::size_t i = 0; i < first.size(); ++i) found.insert(holds_once(claim, first[i], second[i]));
+  if (found.size() == 1) return *found.begin();
+  return found.contains(Holds::kYes) ? Holds::kSometimes : found.empty() ? Holds::kSame : Holds::kNo;
 }
 
 std::string claim_verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes) {

@@ -58,7 +58,8 @@ double parting_s(const ScenesFile& frames, const ScenesFile& other);
 /// no claim holds then. @param measure  of FieldClaim, not "error_m"
 double measure_of(const Replay& replay, std::int64_t steps, const std::string& measure);
 
-/// What all repetitions of a scene say of the claim: yes, no, or no difference; kSometimes: they disagree.
+/// What all repetitions of a scene say of the claim: yes, no difference, or no, also where some have no difference;
+/// kSometimes: it holds in some.
 enum class Holds { kYes, kNo, kSometimes, kSame };
 Holds holds(const FieldClaim& claim, const ClaimedScene& scene);
 

@@ -14,7 +14,7 @@ namespace lcpbench::report {
 
 /// Errors that an answer may have to meet: rho of a contact problem, the backward error of a bare LCP. The first stands
 /// for the threshold of the verdict.
-inline constexpr std::array kErrorGrid{kNoNumber, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+inline constexpr std::array kErrorGrid{kNoNumber, 1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12};
 inline constexpr std::size_t kErrors = kErrorGrid.size();
 
 /// One solver at single settings on one set. Arrays are by kErrorGrid. A problem that is proven to have no solution

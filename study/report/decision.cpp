@@ -90,11 +90,14 @@ std::string withheld_words(const Summary& summary, const Situation& situation) {
         fmt::format("too few to say: {}, {} of the plan; the report needs {:g} % of it, or {} problems",
                     counted(most, "problem"), plan_share_text(choice.plan_share), 100 * kPlanShare, ample_problems());
   }
-  const auto low = [](const Contender& each) { return std::fmax(each.solved.interval().low, -1); };
+  const auto low = [](const Contender& each) {  // what is shown to be unreliable comes last
+    const bool bad = !each.reliable() && each.ground <= Ground::kBehindTheBest;
+    return std::pair(!bad, std::fmax(each.solved.interval().low, -1));
+  };
   const Contender& best = *std::ranges::max_element(choice.contenders, {}, low);
-  return words + fmt::format("; the best by share solved, {}, solved {} ({}) of {}",
-                             summary.solvers[best.solver].text(), percent(best.solved.value()),
-                             percent_range(best.solved.interval()), counted(best.solved.whole, "problem"));
+  return words + fmt::format("; the best by share solved, {}, solved {} ({}) of {}", solver_label(summary, best.solver),
+                             percent(best.solved.value()), percent_range(best.solved.interval()),
+                             counted(best.solved.whole, "problem"));
 }
 
 }  // namespace
@@ -120,11 +123,10 @@ std::vector<Situation> decide(const Summary& summary, const Statistics& statisti
   add("Frictional", sets_of(summary, statistics, SetKind::kFrictional));
   Sets frictional = sets_of(summary, statistics, SetKind::kIllConditioned, true);
   Sets frictionless = sets_of(summary, statistics, SetKind::kIllConditioned, false);
-  if (!frictional.empty()) {
-    add("Ill-conditioned, frictional", std::move(frictional));
-  } else {
-    add(frictionless.empty() ? "Ill-conditioned" : "Ill-conditioned, frictionless", std::move(frictionless));
-  }
+  const bool none = frictional.empty() && frictionless.empty();
+  if (!frictional.empty()) add("Ill-conditioned, frictional", std::move(frictional));
+  if (!frictionless.empty()) add("Ill-conditioned, frictionless", std::move(frictionless));
+  if (none) add("Ill-conditioned", {});
   return situations;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
+#include "core/utf8.h"
 #include "study/output/csv.h"
 #include "study/view/view.h"
 
@@ -28,7 +29,7 @@ namespace report {
 
 std::string page_html(const Json& document) {
   constexpr std::string_view kPlace = "@report@";
-  const std::string text = text_of(document, -1);
+  const std::string text = visible(text_of(document, -1), "\\\\");  // the page shows the escape
   std::string escaped;
   escaped.reserve(text.size() + text.size() / 64);
   for (const char c : text) {

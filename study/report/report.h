@@ -41,8 +41,9 @@ Json report_summary_json(const Report& report);
 /// label), `sweeps`, `claims` (claim against verdict), `set_facts`, `solver_facts`, `cell_statistics`,
 /// `pair_statistics`, `situations` and `contenders` (who was compared for each of them at each error), `worst` (failed
 /// problems with their commands), `rule` (one row: reliability_rule_json()), `errors` (kErrorGrid), `regrets`, and
-/// those of study/paper/records.h.
-void fill_tables(Store& store, const Report& report);
+/// those of study/paper/records.h. `named` has those of `named`, SolverRow::text() of solvers that the user named, by
+/// their labels: the terminal's answer begins with them.
+void fill_tables(Store& store, const Report& report, const std::vector<std::string>& named = {});
 
 /// Two more: `replay`, and `model_errors`, which takes longer.
 void fill_slow_tables(Store& store, const Summary& summary, const std::vector<ReplayedFiles>& replays = {});

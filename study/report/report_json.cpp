@@ -366,7 +366,7 @@ Json report_json(Store& store, const Report& report) {
           {"replays", Json::array()}};
 }
 
-void fill_tables(Store& store, const Report& report) {
+void fill_tables(Store& store, const Report& report, const std::vector<std::string>& named) {
   sqlite::Database& database = store.database();
   const sqlite::ReadSnapshot snapshot(database);
   add_statistics_functions(database);
@@ -377,6 +377,13 @@ void fill_tables(Store& store, const Report& report) {
   const Json examples = table_records(one_of_everything());
   for (const auto& [name, table] : records.items()) fill_table(database, name, table, examples[name][0]);
   report.regrets.fill_table(database);
+  Json labels = Json::array();
+  for (const std::string& solver : named) {
+    for (const std::size_t i : single_solvers(report.summary)) {
+      if (report.summary.solvers[i].text() == solver) labels.push_back({{"solver", solver_label(report.summary, i)}});
+    }
+  }
+  fill_table(database, "named", labels, {{"solver", ""}});
   database.execute(std::string(kViews));
   database.execute(std::string(paper::kQueries));
 }

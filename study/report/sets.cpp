@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/io/scenes_file.h"
 #include "generators/hard/hard.h"
+#include "study/output/columns.h"
 #include "study/output/explanation.h"
 
 namespace lcpbench::report {
@@ -112,10 +113,12 @@ bool solves_other_model(const SetSummary& set, const SolverRow& solver) {
 
 std::string solver_label(const Summary& summary, std::size_t solver) {
   const SolverRow& row = summary.solvers[solver];
-  const auto namesakes = std::count_if(summary.solvers.begin(), summary.solvers.end(), [&row](const SolverRow& other) {
-    return other.sweep.empty() && other.text() == row.text();
+  const std::string label = lcpbench::solver_label(row.text());
+  const auto namesakes = std::count_if(summary.solvers.begin(), summary.solvers.end(), [&](const SolverRow& other) {
+    return other.sweep.empty() && lcpbench::solver_label(other.text()) == label;
   });
-  if (namesakes < 2) return row.text();
+  if (namesakes < 2) return label;
+  if (label != row.text()) return row.text();  // a name that the user gave twice tells nothing apart
   return row.text() + " (" + (row.isa.empty() ? "" : row.isa + ", ") + row.library + " " + row.version + ")";
 }
 

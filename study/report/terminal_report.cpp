@@ -78,6 +78,7 @@ std::string hard_text(Store& store, int width, std::size_t solvers = static_cast
   const TextTable table = table_of(store, "SELECT * FROM terminal_hard",
                                    {{report::counted(cases, "hard case"), Align::kLeft},
                                     {"solved"},
+                                    {"to 1e-9", Align::kRight, 2},
                                     {"no sol.", Align::kRight, 1},
                                     {"WRONG"},
                                     {"denied", Align::kRight, 2},

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "study/output/columns.h"
 #include "study/output/explanation.h"
 #include "study/output/text_table.h"
 #include "study/report/sets.h"
@@ -75,7 +76,8 @@ std::string truth_text(const Summary& summary) {
   std::map<std::string, std::int64_t> denied;
   for (const Cell& cell : summary.cells) {
     const SolverRow& solver = summary.solvers[cell.solver];
-    if (cell.false_unsolvable > 0 && solver.sweep.empty()) denied[solver.text()] += cell.false_unsolvable;
+    if (cell.false_unsolvable > 0 && solver.sweep.empty())
+      denied[lcpbench::solver_label(solver.text())] += cell.false_unsolvable;
   }
   std::string names;
   for (const auto& [solver, count] : denied) {

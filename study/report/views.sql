@@ -36,11 +36,13 @@ FROM cells c JOIN set_facts f ON f.name = c."set" AND f.hard
 WHERE c.sweep = '';
 
 -- For each kind of contacts whom to show: the solver to use, or the one that leads; with more detail the best of Bullet
--- and of ODE by the surest share solved, then reliable solvers that are more accurate than every faster one.
+-- and of ODE by the surest share solved, then reliable solvers that are more accurate than every faster one. Before all
+-- these stand the solvers that the user named, in that order.
 CREATE TEMP VIEW terminal_answer AS
 WITH ranked AS (
   SELECT *, contenders.rowid AS place, ROW_NUMBER() OVER (
-           PARTITION BY contacts ORDER BY recommended DESC, reliable IS NULL, "solved.low" DESC) = 1 AS leads,
+           PARTITION BY contacts ORDER BY recommended DESC, reliable IS 0, reliable IS NULL, "solved.low" DESC) = 1
+           AS leads,
          CASE WHEN solver LIKE 'bullet@_%' ESCAPE '@' THEN 'Bullet' WHEN solver LIKE 'ode@_%' ESCAPE '@' THEN 'ODE' END
            AS engine,
          MAX(recommended) OVER (PARTITION BY contacts) AND coalesce(reliable, 0) AND "refused.part" = 0 AS usable
@@ -52,12 +54,13 @@ finer AS (
         FROM ranked WHERE usable) WHERE error_p99 < least),
 parts AS (
   SELECT ranked.*, CASE WHEN leads THEN iif(recommended, 'use', '(leads)') WHEN number IS NOT NULL THEN 'accurate'
-           ELSE engine END AS part,
-         CASE WHEN leads THEN 0 WHEN number IS NOT NULL THEN number + 1 ELSE 1 END AS detail,
+           ELSE coalesce(engine, iif(named.rowid IS NOT NULL, '', NULL)) END AS part, named.rowid AS named,
+         CASE WHEN leads OR named.rowid IS NOT NULL THEN 0 WHEN number IS NOT NULL THEN number + 1 ELSE 1 END AS detail,
          ROW_NUMBER() OVER (PARTITION BY contacts, engine, number IS NULL AND NOT leads
                             ORDER BY "solved.low" DESC, ranked.place) AS of_engine
-  FROM ranked LEFT JOIN finer USING (place))
-SELECT detail, iif(leads, contacts, '') AS contacts, part,
+  FROM ranked LEFT JOIN finer USING (place) LEFT JOIN named ON named.solver = ranked.solver)
+SELECT detail, iif(ROW_NUMBER() OVER (PARTITION BY contacts ORDER BY named IS NULL, named, NOT leads) = 1, contacts, '')
+         AS contacts, part,
        solver || iif("refused.part" > 0, printf(' (refused %d of %d)', "refused.part", "refused.whole"), '') AS solver,
        percent("solved.share") AS solved, percent_range("solved.low", "solved.high") AS range,
        percent("false_claims.share") AS wrong, duration("mean_time_s.value") AS time,
@@ -66,14 +69,17 @@ SELECT detail, iif(leads, contacts, '') AS contacts, part,
             ELSE factor("factor.value") || 'x (' || factor("factor.low") || '–' || factor("factor.high") || ') n=' ||
                  "factor.problems" END AS factor,
        scientific(error_p99) AS error
-FROM parts JOIN rule WHERE part IS NOT NULL AND (part NOT IN ('Bullet', 'ODE') OR of_engine = 1)
-ORDER BY (SELECT MIN(rowid) FROM contenders c WHERE c.contacts = parts.contacts), part NOT IN ('use', '(leads)'),
+FROM parts JOIN rule WHERE part IS NOT NULL AND (part NOT IN ('Bullet', 'ODE') OR of_engine = 1 OR named)
+ORDER BY (SELECT MIN(rowid) FROM contenders c WHERE c.contacts = parts.contacts), named IS NULL, named,
+         part NOT IN ('use', '(leads)'),
          part <> 'accurate', "mean_time_s.value";
 -- A line of a set's heading, then its solvers; what has no numbers is a line of words.
 CREATE TEMP VIEW terminal_results AS
 WITH rows AS (
   SELECT "set", cells.rowid AS place, label || iif(trials < (SELECT problems FROM set_facts WHERE name = "set"),
-           ' n=' || trials, '') AS solver, percent(rate) AS solved, percent_range(rate_low, rate_high) AS range,
+           ' n=' || trials, '') AS solver,
+         percent(rate) || iif("error.measure" = 'backward_row_norm',
+                              printf(' (1e-9: %s)', percent(rate * solved_1e9 / solved)), '') AS solved, percent_range(rate_low, rate_high) AS range,
          percent(1.0 * false_claims / trials) AS wrong, percent(1.0 * gave_up / trials) AS gave_up,
          percent(1.0 * unsupported / trials) AS refused, duration("time.all.median") AS median,
          CASE WHEN time_ratio_problems >= least_problems THEN factor(time_ratio) || 'x (' || factor(time_ratio_low) ||
@@ -94,7 +100,8 @@ SELECT name || printf(', %d problem%s', problems, iif(problems = 1, '', 's')) AS
        solved, range, wrong, gave_up, refused, median, ratio, error
 FROM rows JOIN set_facts f ON f.name = "set" WHERE NOT hard ORDER BY f.rowid, place;
 CREATE TEMP VIEW terminal_hard AS
-SELECT NULL AS heading, solver, SUM(outcome = 'solved') AS solved, SUM(outcome = 'rightly_unsolvable') AS no_solution,
+SELECT NULL AS heading, solver, SUM(outcome = 'solved') AS solved, SUM(outcome = 'solved' AND error <= 1e-9) AS to_1e9,
+       SUM(outcome = 'rightly_unsolvable') AS no_solution,
        SUM(outcome = 'false_claim') AS wrong, SUM(outcome = 'wrongly_unsolvable') AS denied,
        SUM(outcome = 'missed') AS missed, SUM(outcome = 'solved_unclaimed') AS unsaid,
        SUM(outcome = 'gave_up_unsolvable') AS gave_up, SUM(outcome = 'undecided') AS unknown,

@@ -70,11 +70,11 @@ std::vector<FailedProblem> worst_problems(const Cell& cell, std::span<const Prob
   return failed;
 }
 
-/// " --time-limit 2"; "" where no run recorded a plan.
-std::string ReplayCommands::time_limit_option() const {
-  const nlohmann::json::json_pointer limit("/plan/time_limit_s");
+/// " --time-limit 2"; "" where no run recorded a plan with this field.
+std::string ReplayCommands::option(const char* name, const char* field) const {
+  const nlohmann::json::json_pointer place(std::string("/plan/") + field);
   for (const RunSummary& run : summary_.runs | std::views::reverse) {
-    if (run.provenance.contains(limit)) return " --time-limit " + shell_word(run.provenance[limit].dump());
+    if (run.provenance.contains(place)) return fmt::format(" {} {}", name, shell_word(run.provenance[place].dump()));
   }
   return "";
 }
@@ -88,12 +88,12 @@ std::string ReplayCommands::command(const Cell& cell, const FailedProblem& faile
     SolverRow cold = solver;
     cold.settings.resize(cold.settings.size() - std::string_view(kStartLast).size());
     if (cold.settings.ends_with(',')) cold.settings.pop_back();
-    return fmt::format("lcpbench run --set {} --solver {} --start last --seed {} --trials {} --store again.db",
+    return fmt::format("lcpbench run --set {} --solver {} --start last --seed {} --trials {} --store again.db{}",
                        shell_word(set), shell_word(cold.text()), problem.seed,
-                       std::max<std::int64_t>(problem.trial, 1) + 1);
+                       std::max<std::int64_t>(problem.trial, 1) + 1, option("--solved-at", "solved_at"));
   }
-  const std::string with_solver = " --solver " + shell_word(solver.text()) +
-                                  (failed.claim == Claim::kTimeLimit ? time_limit_option() : "");
+  const std::string with_solver = " --solver " + shell_word(solver.text()) + option("--solved-at", "solved_at") +
+                                  (failed.claim == Claim::kTimeLimit ? option("--time-limit", "time_limit_s") : "");
   if (!set.starts_with(kFilePrefix) || !is_scenes_file(set)) {
     if (solver.name == "engine") return "";
     return fmt::format("lcpbench generate {} --seed {} --first {} --count 1 --out . && lcpbench solve {:06}.json{}",

@@ -49,7 +49,7 @@ class ReplayCommands {
   std::string command(const Cell& cell, const FailedProblem& failed);
 
  private:
-  std::string time_limit_option() const;
+  std::string option(const char* name, const char* field) const;
 
   const Summary& summary_;
   std::map<std::string, std::unique_ptr<ScenesFile>> files_;  ///< nullptr for one that cannot be read

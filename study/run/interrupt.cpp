@@ -4,7 +4,10 @@
 #include <initializer_list>
 #include <string_view>
 
+#include <poll.h>
 #include <unistd.h>
+
+#include "core/io/whole_file.h"
 
 namespace lcpbench {
 namespace {
@@ -38,9 +41,17 @@ void on_interrupt(int) {
   _exit(exit_code_of_end);
 }
 
+/// Whether who reads standard output has left it full for two calls. Safe in a signal handler.
+bool waits_for_reader() {
+  static volatile std::sig_atomic_t full = 0;
+  pollfd output{STDOUT_FILENO, POLLOUT, 0};
+  full = poll(&output, 1, 0) == 0 ? full + 1 : 0;
+  return full >= 2;
+}
+
 /// Each second after an interrupt.
 void on_alarm(int) {
-  if (is_abandoned != 0) {
+  if (is_abandoned != 0 || files_in_place != 0 || waits_for_reader()) {
     print("lcpbench: interrupted\n");
     _exit(exit_code_of_end);
   }

@@ -11,7 +11,8 @@ void announce_interrupts(int exit_code);
 
 /// Catches the signals from now to the end of the process: the first prints one line and raises the flag, the second
 /// ends the process at once as above. Each long command looks at the flag between two pieces of its work, keeps or
-/// prints what is done, and ends with `exit_code`.
+/// prints what is done, and ends with `exit_code`. Where it writes into a pipe that nobody reads, or into a file in
+/// place (a FIFO), the process ends as above within three seconds.
 /// @returns the flag
 const volatile std::sig_atomic_t* catch_interrupts(int exit_code);
 

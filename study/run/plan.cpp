@@ -111,7 +111,7 @@ PlannedSolver parse_solver(const JsonObject& object) {
 
 Plan parse_fields(const JsonObject& object) {
   object.only({"format", "version", "name", "description", "seed", "trials", "time_limit_s", "repeat_until_s",
-               "budget_s", "jobs", "start", "sets", "solvers"});
+               "budget_s", "solved_at", "jobs", "start", "sets", "solvers"});
   if (object.text("format") != kFormat) object.fail("format", fmt::format(": expected '{}'", kFormat));
   object.integer("version", kVersion, kVersion);
   Plan plan;
@@ -125,6 +125,7 @@ Plan parse_fields(const JsonObject& object) {
     plan.repeat_until_s = once ? 0 : positive(object, "repeat_until_s", kLongestSeconds);
   }
   if (object.given("budget_s")) plan.budget_s = positive(object, "budget_s", kLongestSeconds);
+  if (object.given("solved_at")) plan.solved_at = positive(object, "solved_at", 1);
   if (object.given("jobs")) plan.jobs = static_cast<int>(object.integer("jobs", 1, 1024));
   if (object.given("start")) {
     plan.start_last = object.text("start") == "last";
@@ -180,6 +181,7 @@ std::string plan_json(const Plan& plan) {
                {"time_limit_s", plan.time_limit_s},
                {"repeat_until_s", plan.repeat_until_s}};
   if (plan.budget_s) json["budget_s"] = *plan.budget_s;
+  if (plan.solved_at) json["solved_at"] = *plan.solved_at;
   if (plan.jobs) json["jobs"] = *plan.jobs;
   if (plan.start_last) json["start"] = "last";
   json["sets"] = Json::array();

@@ -38,6 +38,7 @@ struct Plan {
   double time_limit_s = 10.0;      ///< on each solve, wall clock
   double repeat_until_s = 2e-4;    ///< small solves are repeated until they take this long (sweep cells are not)
   std::optional<double> budget_s;  ///< wall clock of a run: no problem is begun after it
+  std::optional<double> solved_at;  ///< the verdict's bound, instead of that of each problem's kind; in (0, 1]
   std::optional<int> jobs;         ///< nullopt: one per processor
   /// Beside each run from nothing, solvers that take a start run again on consecutive steps of simulations, each from
   /// its own last answer.

@@ -44,8 +44,8 @@ using Work = ParallelWork<Batch>;
 /// Makes rows of the answers to one problem, with their vectors, and of the certificate that one of them led to.
 class RowMaker {
  public:
-  RowMaker(const Problem& problem, BoundedCertifier& certifier, Batch& batch)
-      : problem_(problem), judge_(problem, certifier), batch_(batch) {}
+  RowMaker(const Problem& problem, BoundedCertifier& certifier, std::optional<double> solved_at, Batch& batch)
+      : problem_(problem), judge_(problem, certifier, solved_at), batch_(batch) {}
 
   bool solvable_by_theory() const { return judge_.findings().has(Evidence::kTheory); }
 
@@ -150,7 +150,7 @@ class Worker {
     const TimeStep step = set.step(study_.seed, trial);
     const Problem& problem = step.problem;
     Batch batch{set_number, {}, {}};
-    RowMaker rows(problem, certifier_, batch);
+    RowMaker rows(problem, certifier_, study_.solved_at, batch);
     batch.result.problem = problem_row(set.name(), study_.seed, trial, problem, rows.solvable_by_theory());
     Clock::time_point handed_over = Clock::now();
     for (const std::size_t solver : solvers) {

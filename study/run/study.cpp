@@ -176,6 +176,7 @@ Study resolve(const Plan& plan) {
   study.time_limit_s = plan.time_limit_s;
   study.repeat_until_s = plan.repeat_until_s;
   study.budget_s = plan.budget_s;
+  study.solved_at = plan.solved_at;
   study.sets = open_sets(plan);
   if (plan.start_last) mark_in_order(study.sets);
   std::string cold;

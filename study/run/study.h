@@ -44,6 +44,7 @@ struct Study {
   double time_limit_s = 10.0;
   double repeat_until_s = 0;
   std::optional<double> budget_s;
+  std::optional<double> solved_at;
   std::vector<StudySet> sets;
   std::vector<StudySolver> solvers;
   std::vector<StudySolver> left_out;  ///< optional solvers that are not available: not to be opened

@@ -47,9 +47,7 @@ bool same_claim(Claim a, Claim b) {
   return a == b || (limit(a) && limit(b));
 }
 
-double accuracy(const Problem& problem, const Errors& errors) {
-  return problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
-}
+bool is_solvable_truth(Truth truth) { return truth == Truth::kSolvable || truth == Truth::kAnswered; }
 
 }  // namespace
 
@@ -99,6 +97,10 @@ FailureTest::Settled FailureTest::truth(const Problem& problem, Judge& judge) {
 FailureTest::Settled FailureTest::settle(const Problem& problem, Judge& judge) {
   if (options_.solver.name != "auto") see(problem, {"auto", {}}, judge);
   if (judge.findings().truth() != Truth::kUnknown) return {judge.findings().truth(), "auto solves it"};
+  return certified(problem);
+}
+
+FailureTest::Settled FailureTest::certified(const Problem& problem) {
   switch (certifier_.certify(problem).kind) {
     case CertificateKind::kSolution: return {Truth::kSolvable, "by exact arithmetic"};
     case CertificateKind::kUnsolvable: return {Truth::kUnsolvable, "by exact arithmetic"};
@@ -108,7 +110,7 @@ FailureTest::Settled FailureTest::settle(const Problem& problem, Judge& judge) {
 }
 
 bool FailureTest::is_solvable(const Problem& problem, const Seen& seen, Judge& judge) {
-  return seen.model == FrictionModel::kPyramid && truth(problem, judge).truth == Truth::kSolvable;
+  return seen.model == FrictionModel::kPyramid && is_solvable_truth(truth(problem, judge).truth);
 }
 
 bool FailureTest::is_wrong(const Problem& problem, const Seen& seen, Judge& judge) {
@@ -117,11 +119,13 @@ bool FailureTest::is_wrong(const Problem& problem, const Seen& seen, Judge& judg
     const Verdict judged = verdict(claim, seen.errors, judge.findings().truth());
     words_ = fmt::format("{} {}", options_.solver.text(),
                          why_not_solved(problem, {claim, judged, seen.errors, seen.answer.detail,
-                                                  why_without_errors(seen.answer, problem.size()), ""}));
+                                                  why_without_errors(seen.answer, problem.size()), "",
+                                                  judge.findings().truth(), seen.model}));
     return judged == Verdict::kWrong;
   }
   if (claim != Claim::kUnsolvable || seen.model != FrictionModel::kPyramid) return false;
-  const Settled known = truth(problem, judge);
+  Settled known = truth(problem, judge);
+  if (known.truth == Truth::kAnswered) known = certified(problem);  // no proof, only an answer within the tolerance
   if (known.truth != Truth::kSolvable) return false;
   words_ = fmt::format("{} says that there is no solution, and there is one: {}", options_.solver.text(),
                        known.because);
@@ -136,9 +140,10 @@ bool FailureTest::is_missed(const Problem& problem, const Seen& seen, Judge& jud
   }
   if (seen.errors.solved || claim == Claim::kUnsupported || seen.model != FrictionModel::kPyramid) return false;
   const Settled known = truth(problem, judge);
-  if (known.truth != Truth::kSolvable) return false;
-  words_ = fmt::format("{} ends with {} and does not solve the problem, which has a solution: {}",
-                       options_.solver.text(), to_string(claim), known.because);
+  if (!is_solvable_truth(known.truth)) return false;
+  words_ = fmt::format("{} ends with {} and does not solve the problem, which {} solution: {}",
+                       options_.solver.text(), to_string(claim),
+                       known.truth == Truth::kSolvable ? "has a" : "nearly has a", known.because);
   return true;
 }
 
@@ -154,7 +159,7 @@ bool FailureTest::is_different(const Problem& problem, const Seen& seen, Judge& 
   } else {
     second = see(problem, parse_spec(other), judge);
   }
-  seen_accuracy_ = std::max(accuracy(problem, seen.errors), accuracy(problem, second.errors));
+  seen_accuracy_ = std::max(seen.errors.measure(), second.errors.measure());
   if (!second.errors.solved || second.model != seen.model || !(seen_accuracy_ <= accuracy_)) return false;
   const double difference = (motion(problem, seen.answer) - motion(problem, second.answer)).lpNorm<Eigen::Infinity>();
   words_ = fmt::format("{} and {} both solve it, and their {} differ by {:.3g}{}", options_.solver.text(),

@@ -69,6 +69,7 @@ class FailureTest {
   void require_taken(const Spec& spec, const Seen& seen) const;
   Settled truth(const Problem& problem, Judge& judge);
   Settled settle(const Problem& problem, Judge& judge);
+  Settled certified(const Problem& problem);
   bool is_solvable(const Problem& problem, const Seen& seen, Judge& judge);
   bool is_wrong(const Problem& problem, const Seen& seen, Judge& judge);
   bool is_missed(const Problem& problem, const Seen& seen, Judge& judge);

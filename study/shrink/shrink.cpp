@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/entries.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/selection.h"
@@ -20,6 +21,21 @@ namespace {
 
 /// In turn, for numbers of up to 17.
 constexpr int kDigits[] = {1, 2, 3, 4, 6, 9, 12};
+
+/// Columns of N and D without an entry that is not zero, which `inspect` doubts; 0 for a bare LCP.
+Index zero_columns(const Problem& problem) {
+  const ContactProblem* const contact = problem.contact();
+  if (contact == nullptr) return 0;
+  Index count = 0;
+  for (const Jacobian* const J : {&contact->N, &contact->D}) {
+    for (Index column = 0; column < cols(*J); ++column) {
+      bool zero = true;
+      for_each_entry(*J, column, [&](Index, double) { zero = false; });
+      if (zero) ++count;
+    }
+  }
+  return count;
+}
 
 class Shrinker {
  public:
@@ -51,6 +67,7 @@ class Shrinker {
     if (over()) return false;
     try {
       const Problem candidate = parse_problem_json(problem_json(make()), "candidate");
+      if (zero_columns(candidate) > zero_columns(best_)) return false;  // a contact without a normal is none
       if (!known_.insert(problem_hash(candidate)).second) return false;
       if (options_.progress) options_.progress(best_, tries_);
       ++tries_;

@@ -38,7 +38,8 @@ struct Shrunk {
 ///
 /// Every problem tried has been written as a problem file's text and read again, so that what fails is what the file
 /// holds. One that no problem file may hold (an inertia that is not positive definite, ...) counts as one that does
-/// not fail. Without the end of the budget the result is a function of the problem and of `fails`.
+/// not fail, and so does one with more columns of N and D that are zero. Without the end of the budget the result is a
+/// function of the problem and of `fails`.
 /// @pre start, read from a problem file, fails
 Shrunk shrink(const Problem& start, const std::function<bool(const Problem&)>& fails, const ShrinkOptions& options);
 

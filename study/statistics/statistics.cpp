@@ -115,11 +115,10 @@ Spread spread_of_sorted(std::span<const double> sorted) {
 Spread spread(std::span<const double> values) { return spread_of_sorted(sorted_copy(values)); }
 
 Estimate median_estimate(std::span<const double> values) {
-  if (values.empty()) return {kNoNumber, kNoNumber, kNoNumber};
-  if (values.size() == 1) return {values.front(), kNoNumber, kNoNumber};
   const std::vector<double> sorted = sorted_copy(values);
+  if (sorted.size() < 6) return {median(sorted), kNoNumber, kNoNumber};  // 1 - 2 / 2^5 is below 95 %
   const auto n = static_cast<double>(sorted.size());
-  const auto rank = static_cast<std::size_t>(std::max(1.0, std::floor((n + 1 - kNormal975 * std::sqrt(n)) / 2)));
+  const auto rank = static_cast<std::size_t>((n + 1 - kNormal975 * std::sqrt(n)) / 2);
   return {median(sorted), sorted[rank - 1], sorted[sorted.size() - rank]};
 }
 

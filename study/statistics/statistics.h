@@ -81,9 +81,8 @@ Spread spread(std::span<const double> values);
 Spread spread_of_sorted(std::span<const double> sorted);
 
 /// Median with its 95 % interval, for any distribution of the values. The ends of the interval are two of the values
-/// (David and Nagaraja 2003, section 7.1). The normal approximation of the binomial distribution gives their ranks. One
-/// value has no interval. For two to five values the interval goes from the least to the largest value, and its
-/// coverage is below 95 %. O(n log n).
+/// (David and Nagaraja 2003, section 7.1). The normal approximation of the binomial distribution gives their ranks.
+/// Fewer than six values have no interval: from the least to the largest of five covers 94 %. O(n log n).
 /// @param values in any order, no NaN
 Estimate median_estimate(std::span<const double> values);
 

@@ -132,8 +132,9 @@ std::string joined(const Columns& columns, const char* form, const char* separat
 /// that has it.
 using CommonOrigin = std::map<std::string, std::pair<nlohmann::json, std::string>>;
 
-/// @throws InputError when a run of the store has another version or another plan than those before.
-void compare_origin(Store& store, CommonOrigin& common) {
+/// @throws InputError when a run of the store has another version or another plan than those before; `mixed`: when its
+/// plan has another bound of the verdict.
+void compare_origin(Store& store, bool mixed, CommonOrigin& common) {
   for (const std::string& run : store.runs()) {
     const auto provenance = nlohmann::json::parse(run, nullptr, false);
     for (const char* field : {"lcpbench", "commit", "plan"}) {
@@ -141,13 +142,17 @@ void compare_origin(Store& store, CommonOrigin& common) {
       nlohmann::json value = provenance[field];
       if (value.is_object()) {
         for (const char* free : {"jobs", "budget_s", "description"}) value.erase(free);
+        if (mixed) value = {{"solved_at", value.value("solved_at", nlohmann::json())}};
+      } else if (mixed) {
+        continue;
       }
       const auto& [expected, file] = common.try_emplace(field, value, store.file().string()).first->second;
       if (value == expected) continue;
       throw InputError(fmt::format("{} and {} are not parts of one study, their runs differ in {}{}: "
-                                   "nothing was merged; --mixed joins them",
+                                   "nothing was merged{}",
                                    store.file().string(), file, field,
-                                   nlohmann::json::diff(expected, value)[0]["path"].get<std::string>()));
+                                   nlohmann::json::diff(expected, value)[0]["path"].get<std::string>(),
+                                   mixed ? "" : "; --mixed joins them"));
     }
   }
 }
@@ -354,11 +359,16 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   };
   std::error_code ignored;
   const bool exists = std::filesystem::exists(out, ignored);
+  for (const std::filesystem::path& source : inputs) {
+    if (exists && std::filesystem::equivalent(source, out, ignored)) {
+      throw InputError(out.string() + ": a store is not merged with itself; name it once");
+    }
+  }
   if (exists) sources.insert(sources.begin(), out);
   CommonOrigin common;
   for (const std::filesystem::path& source : sources) {
     Store store = Store::open_for_reading(source);
-    if (!mixed) compare_origin(store, common);
+    compare_origin(store, mixed, common);
     take_notice(store.notice());
   }
   // When it is closed, the rows that a killed run left in the write-ahead log move to the file itself.

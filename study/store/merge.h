@@ -21,7 +21,7 @@ struct MergeOutcome {
 /// on the clock. A problem's certificate is the first that is not open. All runs are kept. All or nothing: when two
 /// stores disagree on a row, `out` stays as it was and the conflicts are returned. A symbolic link is followed. What a
 /// killed call left is thrown away.
-/// @param mixed  joins also stores that runs of different versions or plans filled
+/// @param mixed  joins also stores that runs of different versions or plans filled, if the bound of the verdict is one
 /// @throws InputError when a file is no store, or one of another version or plan, or `out` is in use or cannot be
 /// written.
 MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,

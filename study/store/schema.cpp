@@ -102,7 +102,7 @@ CREATE TABLE IF NOT EXISTS timings (
 CREATE TABLE IF NOT EXISTS certificates (
   problem_id INTEGER PRIMARY KEY REFERENCES problems(id),
   certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/explanation/certificates.md
-  proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp", "branching"; "none" where open
+  proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp"; "none" where open
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
   velocity_unique INTEGER,      -- 1: every solution has this v+; 0: some solution has another; NULL: not known
   least_violation_m_per_s REAL, -- contacts, by "farkas": any impulses violate one by at least this; else NULL
@@ -123,9 +123,10 @@ CREATE TABLE IF NOT EXISTS writing (  -- one row while a writer has the store op
   id INTEGER PRIMARY KEY CHECK (id = 1), since TEXT NOT NULL) STRICT;
 
 CREATE VIEW IF NOT EXISTS truths AS
+  SELECT problem_id, iif(state = 'answered', 'unknown', state) AS truth, state FROM (
   SELECT p.id AS problem_id,
-         @truth@ AS truth
-  FROM problems p;
+         @truth@ AS state  -- also 'answered': nothing is proven, and some answer passes
+  FROM problems p);
 CREATE VIEW IF NOT EXISTS judged AS
   SELECT a.problem_id, a.solver_id, a.part, a.group_id,
          (SELECT COUNT(*) FROM cell_groups g WHERE g.group_id = a.group_id) AS cells,
@@ -156,10 +157,13 @@ std::string metrics(std::string_view suffix, std::string_view separator) {
 constexpr std::string_view kModel =
     "CASE WHEN p.nc > 0 AND p.n > p.nc THEN coalesce(c.friction, 'pyramid') ELSE 'pyramid' END";
 
-/// The truth by which an answer is judged: that of the problem, `t.truth`, is known for the pyramid alone.
-std::string truth_of_answer() {
-  return fmt::format("iif({} = 'pyramid', t.truth, '{}')", kModel, to_string(Truth::kUnknown));
+/// The truth by which an answer is judged: that of the problem, a column of `truths`, is known for the pyramid alone.
+std::string truth_of_answer(std::string_view column) {
+  return fmt::format("iif({} = 'pyramid', t.{}, '{}')", kModel, column, to_string(Truth::kUnknown));
 }
+
+/// As in the column `state`.
+const char* state_of(Truth truth) { return truth == Truth::kAnswered ? "answered" : to_string(truth); }
 
 /// Whether there is this evidence about the problem of a row p of `problems`.
 std::string condition_of(Evidence evidence) {
@@ -177,7 +181,6 @@ std::string condition_of(Evidence evidence) {
           "v.part "
           "WHERE v.problem_id = p.id AND v.solved = 1 AND {} = 'pyramid')",
           kModel);
-    case Evidence::kSolvedContacts: return "p.kind <> 'lcp' AND " + condition_of(Evidence::kSolvedAnswer);
   }
   return "";
 }
@@ -191,7 +194,7 @@ std::string truth_case() {
     text += fmt::format("{}{}", shares ? "\n                OR " : " WHEN ", condition_of(evidence));
     if (also) text += " AND " + condition_of(*also);
     if (i + 1 == kTruthRules.size() || kTruthRules[i + 1].truth != truth) {
-      text += fmt::format(" THEN '{}'\n             ", to_string(truth));
+      text += fmt::format(" THEN '{}'\n             ", state_of(truth));
     }
   }
   return text + fmt::format(" ELSE '{}' END", to_string(Truth::kUnknown));
@@ -206,8 +209,8 @@ std::string verdict_case() {
     if (rule.passes) also("v.solved = 1");
     if (rule.unresolved) also("v.worst_row = -1");
     if (rule.claim) also(fmt::format("a.claim = '{}'", to_string(*rule.claim)));
-    if (rule.truth) also(fmt::format("{} = '{}'", truth_of_answer(), to_string(*rule.truth)));
-    if (rule.truth_is_not) also(fmt::format("{} <> '{}'", truth_of_answer(), to_string(*rule.truth_is_not)));
+    if (rule.truth) also(fmt::format("{} = '{}'", truth_of_answer("state"), state_of(*rule.truth)));
+    if (rule.truth_is_not) also(fmt::format("{} <> '{}'", truth_of_answer("state"), state_of(*rule.truth_is_not)));
     text += condition.empty() ? fmt::format(" ELSE '{}' END", to_string(rule.verdict))
                               : fmt::format(" WHEN {} THEN '{}'\n             ", condition, to_string(rule.verdict));
   }
@@ -223,7 +226,7 @@ std::string store_schema() {
   };
   fill_in("@metrics@", "  " + metrics(" REAL,", "\n  "));
   fill_in("@truth@", truth_case());
-  fill_in("@truth of the answer@", truth_of_answer());
+  fill_in("@truth of the answer@", truth_of_answer("truth"));
   fill_in("@verdict@", verdict_case());
   fill_in("@model@", std::string(kModel));
   return schema;

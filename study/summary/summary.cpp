@@ -57,7 +57,8 @@ void count_problem(const AnsweredProblem& problem, SetSummary& set) {
   set.contact = (first || set.contact) && contact;
   set.bare = (first || set.bare) && !contact;
   set.frictional = set.frictional || (row.nc > 0 && row.n > row.nc);
-  set.all_solvable = (first || set.all_solvable) && problem.truth == Truth::kSolvable;
+  const bool solvable = problem.truth == Truth::kSolvable || problem.truth == Truth::kAnswered;
+  set.all_solvable = (first || set.all_solvable) && solvable;
   set.free_bodies = (first || set.free_bodies) && row.free_bodies;
   set.smallest_n = first ? row.n : std::min(set.smallest_n, row.n);
   set.largest_n = std::max(set.largest_n, row.n);
@@ -76,8 +77,7 @@ void count_nearly(const AnsweredProblem& problem, SetSummary& set) {
 Outcome outcome_of(const StoredAnswer& answer, std::size_t problem) {
   const Errors& errors = answer.errors;
   Outcome outcome;
-  outcome.error =
-      std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
+  outcome.error = errors.measure();
   outcome.violation_m_per_s = errors.violation_m_per_s;
   outcome.solver_error_m_per_s = errors.velocity_residual_m_per_s;
   outcome.model_error_m_per_s = errors.model_error_m_per_s;

@@ -33,7 +33,7 @@ struct SetSummary {
   bool bare = false;             ///< every problem is a bare LCP
   bool free_bodies = false;      ///< no inertia couples joints: every problem is one of free bodies
   bool frictional = false;       ///< some problem has friction rows
-  bool all_solvable = false;     ///< every problem is proven solvable
+  bool all_solvable = false;     ///< every problem is proven solvable, or some answer passes
   bool ill_conditioned = false;  ///< by its name: exp5-*, exp6-* or *extra100*
   std::int64_t nearly = 0;             ///< problems of Truth::kNearly
   /// Every answer to any of these violates some contact by at least this. NaN: there are none; 0: no bound is known.
@@ -115,7 +115,7 @@ struct Cell : Part {
   std::int64_t nearly_problems = 0;      ///< of truth nearly
   std::int64_t nearly_solved = 0;        ///< of these, with verdict solved
   std::int64_t nearly_unsolvable = 0;    ///< of these, with verdict unsolvable
-  std::int64_t false_unsolvable = 0;     ///< claimed unsolvable, and the problem is solvable
+  std::int64_t false_unsolvable = 0;     ///< claimed unsolvable, and the problem is proven solvable
   std::string refusal;                   ///< the most frequent reason among the refused problems, "" for none
 
   Interval rate_interval{};  ///< Wilson 95 %

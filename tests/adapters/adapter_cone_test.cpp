@@ -11,7 +11,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
 
-namespace lcpbench {
+namespace lcpbench::adapter_cone_test {
 namespace {
 
 const char* const kCones[] = {"siconos_fc3d{cone=true}", "siconos_fc3d{cone=true,method=nsn_ac}",
@@ -185,4 +185,4 @@ TEST(AdapterConeTest, ContactsWithoutFrictionKeepTheirPlaces) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_cone_test

@@ -9,7 +9,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
 
-namespace lcpbench {
+namespace lcpbench::adapter_conventions_test {
 namespace {
 
 TimedAnswer run(const std::string& solver, const Problem& problem) {
@@ -104,22 +104,18 @@ constexpr double kIterative = 1e-6;
 
 TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   const Vector z{{1.0, 0.0, 2.0}};
-  expect_solution("ode_dantzig", symmetric_problem(), z, kDirect);
   expect_solution("dart_dantzig", as_contacts(symmetric_problem()), z, kDirect);
   expect_solution("dart_lemke", symmetric_problem(), z, kDirect);
   expect_solution("dart_pgs{max_iterations=200,relative_tolerance=0}", as_contacts(symmetric_problem()), z, kDirect);
-  expect_solution("bullet_mlcp_lemke{box=false}", symmetric_problem(), z, kDirect);
   expect_solution("bullet_pgs{iterations=200}", symmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", symmetric_problem(), z, kDirect);
   expect_solution("simbody_pgs{tolerance=1e-12}", symmetric_problem(), z, kIterative);
-  expect_solution("siconos_avi", symmetric_problem(), z, kDirect);
   expect_solution("siconos_newton_fb", symmetric_problem(), z, kIterative);
   expect_solution("siconos_pgs{tolerance=1e-10}", symmetric_problem(), z, kIterative);
   expect_solution("bullet_dantzig", symmetric_problem(), z, kDirect);
   expect_solution("bullet_lemke", symmetric_problem(), z, kDirect);
   expect_solution("ipopt_qp", symmetric_problem(), z, kInteriorPoint);
   expect_solution("ipopt_mpcc", symmetric_problem(), z, kInteriorPoint);
-  expect_solution("ipopt_scholtes", symmetric_problem(), z, kInteriorPoint);
 }
 
 // The artificial variable comes in, and leaves for z.
@@ -133,43 +129,19 @@ TEST(AdapterConventionsTest, TheLemkePathOfBulletHasAllItsPivots) {
 
 TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
   const Vector z{{1.0, 0.0, 2.0}};
-  expect_solution("bullet_mlcp_lemke{box=false}", nonsymmetric_problem(), z, kDirect);
   expect_solution("dart_lemke", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_lemke", nonsymmetric_problem(), z, kDirect);
-  expect_solution("siconos_avi", nonsymmetric_problem(), z, kDirect);
   expect_solution("siconos_newton_fb", nonsymmetric_problem(), z, kIterative);
   expect_solution("bullet_lemke", nonsymmetric_problem(), z, kDirect);
   expect_solution("ipopt_mpcc", nonsymmetric_problem(), z, kInteriorPoint);
-  expect_solution("ipopt_scholtes", nonsymmetric_problem(), z, kInteriorPoint);
 }
 
 TEST(AdapterConventionsTest, SolversOfSymmetricProblemsRefuseOthers) {
-  for (const char* solver : {"bullet_dantzig", "ode_dantzig", "dart_dantzig", "dart_pgs", "bullet_pgs", "siconos_pgs",
-                             "simbody_pgs", "simbody_plus", "ipopt_qp"}) {
+  for (const char* solver : {"bullet_dantzig", "dart_dantzig", "dart_pgs", "bullet_pgs", "siconos_pgs", "simbody_pgs",
+                             "simbody_plus", "ipopt_qp"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, nonsymmetric_problem()).answer.claim, Claim::kUnsupported) << solver;
   }
-}
-
-// The wrapper's bounds of 1e10 are part of the problem that it hands on: they cost ten digits.
-TEST(AdapterConventionsTest, BulletsMlcpWrapperSolvesTheProblemWithItsBounds) {
-  expect_solution("bullet_mlcp_lemke", symmetric_problem(), Vector{{1.0, 0.0, 2.0}}, 1e-4);
-  expect_solution("bullet_mlcp_lemke{upper=100}", nonsymmetric_problem(), Vector{{1.0, 0.0, 2.0}}, 1e-11);
-}
-
-TEST(AdapterConventionsTest, BulletsMlcpWrapperDiscardsLargeAnswers) {
-  const std::string wrapper = "bullet_mlcp_lemke{upper=10,max_value=1.5}";
-  if (missing(wrapper)) return;
-  EXPECT_EQ(run(wrapper, symmetric_problem()).answer.claim, Claim::kNumericalFailure);
-}
-
-TEST(AdapterConventionsTest, BulletsMlcpWrapperIgnoresThatLemkeFailed) {
-  const std::string wrapper = "bullet_mlcp_lemke{box=false,max_loops=1}";
-  if (missing(wrapper)) return;
-  const Problem problem = symmetric_problem();
-  const Answer answer = run(wrapper, problem).answer;
-  EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_FALSE(Evaluator(problem).errors(answer).solved);
 }
 
 TEST(AdapterConventionsTest, LimitsOfIterationsReachTheLibrary) {
@@ -188,19 +160,6 @@ TEST(AdapterConventionsTest, BulletsGaussSeidelClaimsWhateverItHas) {
   EXPECT_FALSE(Evaluator(problem).errors(answer).solved);
 }
 
-// Without friction DART's class calls the function that ode_dantzig calls.
-TEST(AdapterConventionsTest, DartsDantzigIsOdes) {
-  if (missing("dart_dantzig") || missing("ode_dantzig")) return;
-  const auto set = open_set("paper/monotone/exp1");
-  for (std::int64_t trial = 0; trial < 20; ++trial) {
-    const Problem problem = set->generate(20120101, trial);
-    const Answer from_dart = run("dart_dantzig", problem).answer;
-    const Answer from_ode = run("ode_dantzig", problem).answer;
-    EXPECT_EQ(from_dart.claim, from_ode.claim) << problem.name();
-    EXPECT_EQ(from_dart.z, from_ode.z) << problem.name();
-  }
-}
-
 // M = -1, q = -1: z = -(w + 1) has no solution.
 TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
   if (missing("dart_lemke")) return;
@@ -211,12 +170,6 @@ TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
   // Its own test compares w and z with 1e-4, whatever the units: an answer right to sixteen digits fails it.
   const Problem large("large", Lcp{Matrix{{49.0}}, Vector{{-1e15}}});
   EXPECT_EQ(run("dart_lemke", large).answer.claim, Claim::kNumericalFailure);
-}
-
-TEST(AdapterConventionsTest, ScholtesNamesTheRelaxationOfItsLastProgram) {
-  if (missing("ipopt_scholtes")) return;
-  const Answer answer = run("ipopt_scholtes{first_relaxation=0.25,programs=1}", nonsymmetric_problem()).answer;
-  EXPECT_TRUE(answer.detail.ends_with(", t = 0.25")) << answer.detail;
 }
 
 TEST(AdapterConventionsTest, DartsGaussSeidelSaysThatItsSweepsEnded) {
@@ -285,7 +238,6 @@ TEST(AdapterConventionsTest, OffsetsOfASceneReachTheLibraries) {
   expect_solution("dart_lemke", box, z, 1e-12);
   expect_solution("velocity_ipm_cholmod", box, z, 1e-12);
   expect_solution("bullet_dantzig", box, z, kIterative);
-  expect_solution("ode_dantzig", box, z, 1e-12);
 }
 
 TEST(AdapterConventionsTest, CholmodBehindTheInteriorPointSolvesTheScene) {
@@ -338,9 +290,9 @@ TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {
 
 TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
   const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
-  for (const char* solver : {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "bullet_mlcp_lemke", "ode_dantzig",
-                             "dart_lemke", "siconos_lemke", "siconos_newton_fb", "siconos_avi", "siconos_pgs",
-                             "simbody_pgs", "simbody_plus", "ipopt_qp", "ipopt_mpcc", "ipopt_scholtes"}) {
+  for (const char* solver :
+       {"bullet_dantzig", "bullet_lemke", "bullet_pgs", "dart_lemke", "siconos_lemke", "siconos_newton_fb",
+        "siconos_pgs", "simbody_pgs", "simbody_plus", "ipopt_qp", "ipopt_mpcc"}) {
     if (missing(solver)) continue;
     EXPECT_EQ(run(solver, empty).answer.claim, Claim::kSolved) << solver;
   }
@@ -351,4 +303,4 @@ TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_conventions_test

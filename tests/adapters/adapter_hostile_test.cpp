@@ -9,7 +9,7 @@
 #include "core/registry.h"
 #include "study/run/open_solver.h"
 
-namespace lcpbench {
+namespace lcpbench::adapter_hostile_test {
 namespace {
 
 const char* const kSolvers[] = {"dart_lemke",
@@ -109,6 +109,19 @@ TEST(AdapterHostileTest, EveryProblemGetsAnAnswerOrAReason) {
   }
 }
 
+/// 1 / m overflows, and M with it: libraries said solved, said unsolvable, or ended by an assertion.
+TEST(AdapterHostileTest, NoLibraryIsGivenAnInfinity) {
+  const Problem light("light", ball(1, 0.5, 1.0, 5e-324));
+  for (const char* name : {"ode_step", "ode_quickstep", "bullet_si", "bullet_lemke", "dart_lemke", "dart_dantzig",
+                           "siconos_lemke", "siconos_fc3d{cone=true}", "simbody_pgs{cone=true}", "ipopt_mpcc"}) {
+    if (missing(name)) continue;
+    TimedAnswer result;
+    open_solver(parse_spec(name))->run(light, {}, result);
+    EXPECT_EQ(result.answer.claim, Claim::kUnsupported) << name << ": " << result.answer.detail;
+    EXPECT_NE(result.answer.detail.find("overflows"), std::string::npos) << name << ": " << result.answer.detail;
+  }
+}
+
 TEST(AdapterHostileTest, SiconosIsNotAskedToDivideByZero) {
   if (missing("siconos_fc3d")) GTEST_SKIP();
   const Problem still = smooth(Vector{{1.0, 0.0}}.asDiagonal(), Vector{{-1.0, 0.5}}, "one that nothing moves");
@@ -121,4 +134,4 @@ TEST(AdapterHostileTest, SiconosIsNotAskedToDivideByZero) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_hostile_test

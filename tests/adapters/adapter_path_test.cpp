@@ -10,13 +10,14 @@
 #include "adapters/worker/worker_client.h"
 
 namespace lcpbench {
-
 std::string lcpbench_unavailable_path();
 std::string lcpbench_version_path();
+}
 
+namespace lcpbench::adapter_path_test {
 namespace {
 
-class PathTest : public testing::TestWithParam<const char*> {
+class PathTest : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     setenv("PATH_LIBRARY", GetParam(), 1);
@@ -34,7 +35,7 @@ class PathTest : public testing::TestWithParam<const char*> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Versions, PathTest, testing::Values(STAND_IN_5, STAND_IN_4), [](const auto& test) {
+INSTANTIATE_TEST_SUITE_P(Versions, PathTest, ::testing::Values(STAND_IN_5, STAND_IN_4), [](const auto& test) {
   return std::filesystem::path(test.param).filename().string().find("4") == std::string::npos ? "Five" : "Four";
 });
 
@@ -47,10 +48,10 @@ Lcp nonsymmetric() {
 }
 
 TEST_P(PathTest, SolvesThroughTheCallbacks) {
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   const Answer answer = solve(nonsymmetric());
-  const std::string printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+  const std::string printed = ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(printed, "");
   EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
   ASSERT_EQ(answer.z.size(), 3);
@@ -186,4 +187,4 @@ TEST(PathAvailabilityTest, RelativeNamesAreRelativeToWhereTheProgramStarted) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_path_test

@@ -1,13 +1,11 @@
 // Bullet's Dantzig solver called from here, as its header says, against the adapter's answers: on the same problems the
-// same bits and the same word, so that a share of `bullet_dantzig` is the library's and not the adapter's. ODE's code
-// is another descendant of the same method: it has to stand by the same problems.
+// same bits and the same word, so that a share of `bullet_dantzig` is the library's and not the adapter's.
 #include <cstring>
 #include <vector>
 
 #include <BulletDynamics/MLCPSolvers/btDantzigLCP.h>
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
 #include "study/run/open_solver.h"
 
@@ -43,7 +41,7 @@ Direct call_bullet(const Lcp& lcp) {
   return {solved, z};
 }
 
-class BulletDirect : public testing::TestWithParam<const char*> {};
+class BulletDirect : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(BulletDirect, TheAdapterGivesTheLibrarysBits) {
   const auto set = open_set(GetParam());
@@ -62,22 +60,8 @@ TEST_P(BulletDirect, TheAdapterGivesTheLibrarysBits) {
   EXPECT_GT(refused, kTrials / 20) << "too easy a set to tell the two words apart";
 }
 
-TEST_P(BulletDirect, OdesCodeStandsByTheSameProblems) {
-  if (const std::string& why = find_solver("ode_dantzig").unavailable; !why.empty()) GTEST_SKIP() << why;
-  const auto set = open_set(GetParam());
-  const auto ode = open_solver(parse_spec("ode_dantzig"));
-  int other_word = 0;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    const Problem problem = set->generate(1016, trial);
-    TimedAnswer adapted;
-    ode->run(problem, {}, adapted);
-    other_word += (adapted.answer.claim == Claim::kSolved) != call_bullet(problem.lcp()).solved;
-  }
-  EXPECT_LE(other_word, kTrials / 100) << "the signs of pivots that rounding decides may differ, rarely";
-}
-
 INSTANTIATE_TEST_SUITE_P(Sets, BulletDirect,
-                         testing::Values("paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}",
+                         ::testing::Values("paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}",
                                          "paper/monotone/exp3", "paper/monotone/exp5-1e8{redundancy=combination}"));
 
 }  // namespace

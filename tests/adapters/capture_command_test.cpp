@@ -21,7 +21,7 @@
 #include "tests/adapters/capture_folder.h"
 #include "tests/support/program_run.h"
 
-namespace lcpbench {
+namespace lcpbench::capture_command_test {
 namespace {
 
 /// Whether Debian's package is installed, as dpkg's list of its files tells.
@@ -402,4 +402,4 @@ TEST_F(Capture, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::capture_command_test

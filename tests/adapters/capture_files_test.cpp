@@ -3,7 +3,7 @@
 
 #include "tests/adapters/capture_folder.h"
 
-namespace lcpbench {
+namespace lcpbench::capture_files_test {
 namespace {
 
 /// An engine that crashes ends itself alone, and the steps it wrote are kept.
@@ -116,4 +116,4 @@ TEST_F(Capture, ThePrintedCommandNamesAnyFile) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::capture_files_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lcpbench::capture {
+namespace lcpbench::capture::close_parts_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -116,4 +116,4 @@ TEST(CloseParts, AGapOfLessThanANanometreIsClosed) {
 }
 
 }  // namespace
-}  // namespace lcpbench::capture
+}  // namespace lcpbench::capture::close_parts_test

@@ -9,7 +9,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
 
-namespace lcpbench {
+namespace lcpbench::engine_solver_test {
 namespace {
 
 Answer answer_of(const Problem& problem) {
@@ -74,4 +74,4 @@ TEST(EngineSolverTest, IsJudged) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::engine_solver_test

@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import sys
+import tempfile
 import time
 
 
@@ -130,11 +131,18 @@ def process(problem):
     return {"claim": "iteration_limit", "iterations": os.getpid()}
 
 
+def write(problem):
+    with tempfile.TemporaryFile() as file:
+        file.write(b"x" * 8192)
+    return right(problem)
+
+
 behaviours = {
     "right": right,
     "delays": right,
     "process": process,
     "cache": cache,
+    "write": write,
     "daemon": daemon,
     "orphan": orphan,
     "daemon and exit": daemon_and_exit,

@@ -101,7 +101,7 @@ TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
 }
 
 /// A worker whose program started a daemon at once.
-class WorkerWithDaemonTest : public testing::Test {
+class WorkerWithDaemonTest : public ::testing::Test {
  protected:
   WorkerWithDaemonTest() {
     ask("");

@@ -25,7 +25,7 @@
 namespace lcpbench {
 namespace {
 
-class ExternalFaultTest : public testing::TestWithParam<Fault> {};
+class ExternalFaultTest : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(ExternalFaultTest, IsReportedAndTheNextRunWorks) {
   const Fault& fault = GetParam();
@@ -39,7 +39,7 @@ TEST_P(ExternalFaultTest, IsReportedAndTheNextRunWorks) {
 
 INSTANTIATE_TEST_SUITE_P(
     Faults, ExternalFaultTest,
-    testing::Values(
+    ::testing::Values(
         Fault{"exception", Claim::kCrashed, "exited with code 1 without an answer; stderr: KeyError: 'no such"},
         Fault{"segfault", Claim::kCrashed, "solve: killed by signal 11 (SIGSEGV) without an answer"},
         Fault{"exit 0", Claim::kCrashed, "solve: exited with code 0 without an answer"},
@@ -113,10 +113,10 @@ TEST(ExternalTest, CountersAndDetailArrive) {
 }
 
 TEST(ExternalTest, OutputGoesNowhereAndMegabytesOfItAreNoTrouble) {
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   const Answer answer = run(*client(), "chatter");
-  const std::string printed = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+  const std::string printed = ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
   EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
   EXPECT_EQ(printed, "");
 }
@@ -134,6 +134,17 @@ TEST(ExternalTest, ProgramRunsWhereLcpbenchWasStarted) {
   const Answer answer = run(*client("./" + script.filename().string()), "where");
   std::filesystem::current_path(before);
   EXPECT_EQ(answer.detail, std::filesystem::canonical(script.parent_path()).string());
+}
+
+/// A runtime that keeps a cache dies of this limit.
+TEST(ExternalTest, TheLimitOnFilesIsNamedAndCanBeLifted) {
+  const Answer limited = run(*client(), "write");
+  EXPECT_STREQ(to_string(limited.claim), "crashed");
+  EXPECT_NE(limited.detail.find("no file of more than 4 KiB: writes_files=true lifts this limit"), std::string::npos)
+      << limited.detail;
+  const auto free =
+      worker_solver(EXTERNAL_WORKER, parse_spec("external{command=" EXTERNAL_FAULTS ",writes_files=true}"), {});
+  EXPECT_STREQ(to_string(run(*free, "write").claim), "solved");
 }
 
 TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {

@@ -14,7 +14,7 @@
 #include "study/run/open_solver.h"
 #include "tests/support/allocation_counter.h"
 
-namespace lcpbench {
+namespace lcpbench::quickstep_sor_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20120101;
@@ -333,4 +333,4 @@ TEST(OdeOrderTest, IslandsAreWalkedFromTheLastBodyAndContact) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::quickstep_sor_test

@@ -8,7 +8,7 @@
 #include "tests/support/textbook_lcps.h"
 #include "tests/support/two_chains.h"
 
-namespace lcpbench {
+namespace lcpbench::velocity_ipm_cholmod_test {
 namespace {
 
 constexpr int kMostSteps = 25;
@@ -154,4 +154,4 @@ TEST_F(VelocityIpmCholmodTest, RefusesWhatItCannotTakeAndRegularisesNothing) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::velocity_ipm_cholmod_test

@@ -36,10 +36,10 @@ const std::vector<RegisteredSolver>& registered_solvers() {
 
 namespace {
 
-using testing::internal::CaptureStderr;
-using testing::internal::CaptureStdout;
-using testing::internal::GetCapturedStderr;
-using testing::internal::GetCapturedStdout;
+using ::testing::internal::CaptureStderr;
+using ::testing::internal::CaptureStdout;
+using ::testing::internal::GetCapturedStderr;
+using ::testing::internal::GetCapturedStdout;
 
 constexpr TimedRequest kImpatient{.time_limit_s = 0.1};
 constexpr const char* kNoAnswerWithin = "gave no answer within ";
@@ -90,7 +90,7 @@ bool ends_before(double deadline_s, pid_t process) {
   return false;
 }
 
-class WorkerFaultTest : public testing::TestWithParam<Fault> {};
+class WorkerFaultTest : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(WorkerFaultTest, IsReportedAndTheNextRunWorks) {
   const Fault& fault = GetParam();
@@ -114,7 +114,7 @@ TEST_P(WorkerFaultTest, IsReportedAndTheNextRunWorks) {
 
 INSTANTIATE_TEST_SUITE_P(
     Faults, WorkerFaultTest,
-    testing::Values(Fault{"segfault", Claim::kCrashed, "killed by signal 11 (SIGSEGV)"},
+    ::testing::Values(Fault{"segfault", Claim::kCrashed, "killed by signal 11 (SIGSEGV)"},
                     Fault{"abort", Claim::kCrashed,
                           "killed by signal 6 (SIGABRT) without an answer; stderr: assertion 'x > 0'  failed"},
                     Fault{"exit(0)", Claim::kCrashed, "exited with code 0 without an answer"},
@@ -340,8 +340,8 @@ void start_a_program() {
 
 TEST(StartProgramDeathTest, LackOfProcessesIsNoFaultOfTheInput) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // in a new process, without the thread that starts programs
-  EXPECT_EXIT(start_a_program_without_processes(), testing::ExitedWithCode(0), "");
-  EXPECT_EXIT((start_a_program(), start_a_program_without_processes()), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(start_a_program_without_processes(), ::testing::ExitedWithCode(0), "");
+  EXPECT_EXIT((start_a_program(), start_a_program_without_processes()), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(WorkerTest, NeitherZombiesNorDescriptorsAreLeft) {

@@ -8,7 +8,7 @@
 #include "core/io/problem_io.h"
 #include "tests/attack/campaign.h"
 
-namespace lcpbench::attack {
+namespace lcpbench::attack::attack_test {
 namespace {
 
 Problem lcp(const std::string& M, const std::string& q) {
@@ -291,4 +291,4 @@ TEST(AttackTest, GoesOnBehindATruthThatIsNotFound) {
 }
 
 }  // namespace
-}  // namespace lcpbench::attack
+}  // namespace lcpbench::attack::attack_test

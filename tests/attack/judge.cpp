@@ -399,42 +399,20 @@ bool Judge::block_solved(const DyadicVector& z, const std::vector<Index>& block)
   const Dyadic tolerance(kSolvedBackwardError);
   Dyadic largest;
   for (const Index i : block) largest = max(largest, abs(z[at(i)]));
-  // A larger threshold drops more entries; only thresholds within the tolerance can pass.
-  DyadicVector thresholds{Dyadic()};
+  bool solved = true;
   for (const Index i : block) {
-    if (abs(z[at(i)]) <= tolerance * largest) thresholds.push_back(abs(z[at(i)]));
-  }
-  double best = std::numeric_limits<double>::infinity();
-  bool solved = false;
-  for (const Dyadic& threshold : thresholds) {
-    DyadicVector kept(z.size());
-    bool negative = false;
+    Dyadic w = data.q[at(i)];
     Dyadic norm;
-    for (const Index i : block) {
-      if (abs(z[at(i)]) <= threshold) continue;
-      kept[at(i)] = z[at(i)];
-      norm = max(norm, abs(z[at(i)]));
-      negative = negative || z[at(i)].sign() < 0;
+    for (const Index j : block) {
+      w = w + data.M(i, j) * z[at(j)];
+      norm = norm + abs(data.M(i, j));
     }
-    if (negative) continue;
-    bool passes = true;
-    double worst = quotient(threshold, largest);
-    for (const Index i : block) {
-      Dyadic w = data.q[at(i)];
-      Dyadic row_norm;
-      for (const Index j : block) {
-        w = w + data.M(i, j) * kept[at(j)];
-        row_norm = row_norm + abs(data.M(i, j));
-      }
-      const Dyadic violation = kept[at(i)].sign() > 0 ? abs(w) : max(Dyadic(), -w);
-      const Dyadic scale = abs(data.q[at(i)]) + row_norm * norm;
-      passes = passes && violation <= tolerance * scale;
-      worst = std::max(worst, quotient(violation, scale));
-    }
-    best = std::min(best, worst);
-    solved = solved || passes;
+    if (norm.sign() == 0) norm = Dyadic(1.0);
+    const Dyadic violation = abs(min(norm * z[at(i)], w));
+    const Dyadic scale = abs(data.q[at(i)]) + norm * largest;
+    solved = solved && violation <= tolerance * scale;
+    measure_ = std::max(measure_, quotient(violation, scale));
   }
-  measure_ = std::max(measure_, best);
   return solved;
 }
 

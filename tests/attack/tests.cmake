@@ -8,7 +8,9 @@ target_link_libraries(lcpbench_attack
   PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers lcpbench_gmp)
 lcpbench_use_precompiled(lcpbench_attack lcpbench_native_headers)
 
-lcpbench_test(attack LINK lcpbench_attack)
+lcpbench_room(attack LINK lcpbench_attack)
+lcpbench_test(attack)
+lcpbench_test(inertia_claims)
 
 add_executable(attack attack/main.cpp)
 target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11 nlohmann_json::nlohmann_json)
@@ -21,8 +23,6 @@ add_test(NAME attack_soft COMMAND attack --kind soft --problems 700 --seed 15)
 # Of nearly parallel contacts that yield one is pressed by less than nothing, to rounding: the velocity is that without it.
 add_test(NAME attack_soft_velocity
          COMMAND attack --kind soft --seed 20261217 --first 6095 --problems 1 --solvers embedded:auto)
-# A contact that yields and moves nothing: what rounding leaves of it would move the others.
-# A G that is singular, and has a pivot below the rounding of its doubles that is none.
 # A given G* with an entry of zero, where the root of G* leaves rounding in the velocity.
 add_test(NAME attack_soft_given_inverse COMMAND attack --kind soft --seed 20270101 --first 74446 --problems 1)
 # Velocities whose coordinates rest but for the rounding of a system in G.

@@ -215,40 +215,7 @@ inline void expect_contact_proof(const ContactProblem& problem, const Certificat
     case ProofKind::kFarkas: return expect_contact_contradiction(contact, rationals(certificate.exact_farkas));
     case ProofKind::kLp: return expect_solvability_proof(contact, rationals(certificate.exact_farkas));
     case ProofKind::kNone: return;
-    case ProofKind::kBranching: return;  // study/check_certificates.py does, in its test
   }
-}
-
-/// Each leaf contradicts the cones that the way to it leaves, and the ways to the leaves cover all of them.
-inline void expect_branches(const Lcp& lcp, const std::vector<ProofNode>& nodes) {
-  struct Imposed {
-    std::vector<bool> w, z;
-  };
-  const auto n = static_cast<std::size_t>(lcp.size());
-  std::vector<Imposed> to_come{{std::vector<bool>(n), std::vector<bool>(n)}};
-  for (const ProofNode& node : nodes) {
-    ASSERT_FALSE(to_come.empty());
-    const Imposed imposed = to_come.back();
-    to_come.pop_back();
-    if (node.row >= 0) {
-      to_come.insert(to_come.end(), 2, imposed);
-      to_come[to_come.size() - 2].z.at(static_cast<std::size_t>(node.row)) = true;
-      to_come.back().w.at(static_cast<std::size_t>(node.row)) = true;
-      continue;
-    }
-    RationalVector y(n);
-    Rational work = 0;
-    for (const Multiplier& entry : node.multipliers) {
-      Rational& value = y.at(static_cast<std::size_t>(entry.row));
-      value = Rational(boost::multiprecision::cpp_int(entry.value));
-      EXPECT_TRUE(value >= 0 || imposed.w[static_cast<std::size_t>(entry.row)]);
-      work += value * Rational(lcp.q(entry.row));
-    }
-    EXPECT_LT(work, 0);
-    const RationalVector columns = transposed_times(lcp.M, y);
-    for (std::size_t j = 0; j < n; ++j) EXPECT_TRUE(columns[j] <= 0 || imposed.z[j]) << j;
-  }
-  EXPECT_TRUE(to_come.empty());
 }
 
 inline void expect_bare_proof(const Lcp& lcp, const Certificate& certificate) {
@@ -256,7 +223,6 @@ inline void expect_bare_proof(const Lcp& lcp, const Certificate& certificate) {
     const RationalVector z = rationals(certificate.exact_z);
     expect_complementary(z, plus(rationals(lcp.q), times(lcp.M, z)));
   }
-  if (certificate.proof == ProofKind::kBranching) expect_branches(lcp, certificate.branches);
   if (certificate.proof == ProofKind::kFarkas) {
     const RationalVector y = rationals(certificate.exact_farkas);
     Rational work = 0;

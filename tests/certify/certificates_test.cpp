@@ -27,7 +27,7 @@
 #include "study/run/runner.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::certificates_test {
 namespace {
 
 using nlohmann::ordered_json;
@@ -120,7 +120,7 @@ std::string input_error(const std::function<void()>& action) {
   return "no InputError";
 }
 
-class CertifyStoreTest : public testing::Test {
+class CertifyStoreTest : public ::testing::Test {
  protected:
   ScratchFolder folder_;
   std::filesystem::path file_ = folder_ / "s.db";
@@ -240,6 +240,17 @@ TEST_F(CertifyStoreTest, ProofOfUnsolvabilityChangesTheTruthAndAnOpenCertificate
   EXPECT_EQ(count(file_, verdicts + "'solved' AND truth = 'nearly'"), 4);
   change(file_, "UPDATE problems SET kind = 'lcp'");
   EXPECT_EQ(count(file_, verdicts + "'wrong' AND truth = 'unsolvable'"), 4);  // they claim solved
+}
+
+// Earlier versions proved by branching: what they certified stays certified.
+TEST_F(CertifyStoreTest, AStoreWithProofsByBranchingOpensAndKeepsThem) {
+  solve_all(study_of({{kMonotone, 3}}), file_);
+  certify_as(CertificateKind::kUnsolvable, file_);
+  change(file_, "UPDATE certificates SET proof = 'branching'");
+  EXPECT_EQ(certify_as(CertificateKind::kSolution, file_).total, 0);
+  Store store = Store::open_for_reading(file_);
+  EXPECT_EQ(CertificateTable(store).counts({}).at(0).unsolvable, 3);
+  EXPECT_EQ(count(file_, "certificates WHERE proof = 'branching'"), 3);
 }
 
 TEST_F(CertifyStoreTest, CertifiedSolutionMakesAnHonestFailureAMiss) {
@@ -458,4 +469,4 @@ TEST(ProofDocumentTest, FractionsAreInLowestTerms) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::certificates_test

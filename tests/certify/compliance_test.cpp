@@ -21,7 +21,7 @@
 #include "tests/certify/certificate_check.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::compliance_test {
 namespace {
 
 Answer solve(const std::string& solver, const Problem& problem) {
@@ -362,4 +362,4 @@ TEST(ComplianceTest, AnOffsetIsNotPushedAwayByHugeImpulses) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::compliance_test

@@ -11,7 +11,7 @@
 #include "study/certify/certificate.h"
 #include "study/evaluation/friction_model.h"
 
-namespace lcpbench {
+namespace lcpbench::convex_model_test {
 namespace {
 
 /// Contacts of one tangent each: the other one moves nothing. With mu = 1/2 and r_t = 4 r_n the compliance of the two
@@ -126,4 +126,4 @@ TEST(ConvexModelTest, HardContactsHaveABoundOrNone) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::convex_model_test

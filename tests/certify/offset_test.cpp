@@ -13,7 +13,7 @@
 #include "tests/certify/certificate_check.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::offset_test {
 namespace {
 
 Answer solve(const std::string& solver, const Problem& problem) {
@@ -355,4 +355,4 @@ TEST(OffsetTest, TheoryPromisesASolutionOnlyWithoutANegativeOffset) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::offset_test

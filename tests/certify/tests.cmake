@@ -1,16 +1,19 @@
 find_package(Boost REQUIRED)  # headers only: rational numbers
-lcpbench_test(certify LINK lcpbench_certify lcpbench_evaluation lcpbench_solver_list Boost::headers)
-lcpbench_test(convex_model LINK lcpbench_certify lcpbench_evaluation lcpbench_solver_list)
-lcpbench_test(compliance LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
-lcpbench_test(offset LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
-lcpbench_test(certify_paper SLOW OPTIMIZED
+lcpbench_room(certify
+  LINK lcpbench_runner lcpbench_certificates lcpbench_certify lcpbench_report lcpbench_study lcpbench_evaluation
+    lcpbench_generators lcpbench_solver_list nlohmann_json::nlohmann_json Boost::headers
+  NEEDS lcpbench DEFINE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+lcpbench_test(certify)
+lcpbench_test(convex_model)
+lcpbench_test(compliance)
+lcpbench_test(offset)
+lcpbench_test(certify_paper SLOW APART OPTIMIZED
   LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
 
 # Certificates as users and studies get them, and the checker that shares no code with what made them.
-lcpbench_test(certificates LINK lcpbench_runner lcpbench_certificates lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
-lcpbench_test(certify_command LINK lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
-target_compile_definitions(certify_command_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(certify_command_test lcpbench)
+lcpbench_test(certificates)
+lcpbench_test(certify_command)
+lcpbench_test(friction_model)
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_test(NAME check_certificates

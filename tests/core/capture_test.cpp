@@ -14,7 +14,7 @@
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 
-namespace lcpbench {
+namespace lcpbench::capture_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -245,4 +245,4 @@ TEST_F(CaptureTest, TheExamplesRun) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::capture_test

@@ -7,7 +7,7 @@
 #include "core/problem.h"
 #include "core/scene.h"
 
-namespace lcpbench {
+namespace lcpbench::contact_problem_test {
 namespace {
 
 // A particle of mass 4 (its square root is exact, so all of M is) on two contacts: the first with friction along +-x,
@@ -150,4 +150,4 @@ TEST(ProblemTest, CarriesEachFormItCanDerive) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::contact_problem_test

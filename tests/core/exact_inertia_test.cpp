@@ -7,7 +7,7 @@
 
 #include "core/prime_field.h"
 
-namespace lcpbench {
+namespace lcpbench::exact_inertia_test {
 namespace {
 
 Matrix matrix(std::initializer_list<std::initializer_list<double>> rows) {
@@ -190,4 +190,4 @@ TEST(ExactInertiaTest, VelocityOfDependentFactors) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::exact_inertia_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lcpbench {
+namespace lcpbench::isa_test {
 namespace {
 
 std::string name_in(const std::string& cpuinfo) {
@@ -36,4 +36,4 @@ TEST(IsaLevelTest, LevelsAboveTheBaselineAreThoseOfX86) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::isa_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lcpbench {
+namespace lcpbench::islands_test {
 namespace {
 
 using Labels = std::vector<Index>;
@@ -154,4 +154,4 @@ TEST(RowIslandsTest, AFullRowOrColumnCouplesAll) {
 TEST(RowIslandsTest, NoRowsAreNoIslands) { EXPECT_EQ(row_islands(Matrix(0, 0)).count, 0); }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::islands_test

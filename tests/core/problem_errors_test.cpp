@@ -10,7 +10,7 @@
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
 
-namespace lcpbench {
+namespace lcpbench::problem_errors_test {
 namespace {
 
 const std::string kLcp = R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp",)"
@@ -284,4 +284,4 @@ TEST(ProblemErrorsTest, TheMessageIsOneLineWhateverTheFileIsCalled) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::problem_errors_test

@@ -21,7 +21,7 @@
 #include "core/io/problem_checks.h"
 #include "generators/sets.h"
 
-namespace lcpbench {
+namespace lcpbench::problem_io_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -401,4 +401,4 @@ TEST_F(ProblemIoTest, JsonIsKnownByItsFirstByteToo) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::problem_io_test

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 
-namespace lcpbench {
+namespace lcpbench::problem_text_formats_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ TEST(TextNumbersTest, AreCorrectlyRoundedAtTheEndsOfTheRange) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::problem_text_formats_test

@@ -18,7 +18,7 @@
 #include "generators/scenes/scenes.h"
 #include "generators/sets.h"
 
-namespace lcpbench {
+namespace lcpbench::scenes_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -439,4 +439,4 @@ TEST(SparseProblemTest, UnpairedColumnsAreFound) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::scenes_file_test

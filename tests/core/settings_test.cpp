@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/registry.h"
 
-namespace lcpbench {
+namespace lcpbench::settings_test {
 namespace {
 
 enum class Engine { kDense, kKernel };
@@ -113,4 +113,4 @@ TEST(SettingsTest, DescriptionCarriesTypeRangeAndHelp) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::settings_test

@@ -11,7 +11,7 @@
 
 #include "core/timed_solve.h"
 
-namespace lcpbench {
+namespace lcpbench::solver_test {
 namespace {
 
 // Answers z = q so that tests can see which data reached it; counts its calls.
@@ -282,4 +282,4 @@ TEST(ClaimTest, WordsReadBack) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::solver_test

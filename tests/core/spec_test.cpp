@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 
-namespace lcpbench {
+namespace lcpbench::spec_test {
 namespace {
 
 TEST(SpecTest, NameAloneHasNoOptions) {
@@ -34,7 +34,7 @@ TEST(SpecTest, AValueMayHoldAnEqualsSign) {
   EXPECT_EQ(parse_spec("external{command=./mine.py --tol=1e-8}").options[0].second, "./mine.py --tol=1e-8");
 }
 
-class BadSpecTest : public testing::TestWithParam<const char*> {};
+class BadSpecTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(BadSpecTest, IsRefusedInOneLine) {
   try {
@@ -46,7 +46,7 @@ TEST_P(BadSpecTest, IsRefusedInOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SpecTest, BadSpecTest,
-                         testing::Values("", "  ", "{a=1}", "lemke{a=1", "lemke{a=1}}", "lemke{a=1}x", "lemke{a}",
+                         ::testing::Values("", "  ", "{a=1}", "lemke{a=1", "lemke{a=1}}", "lemke{a=1}x", "lemke{a}",
                                          "lemke{=1}", "lemke{a=1,a=2}", "lemke{a={}", "lemke{a=1,}", "lem}ke",
                                          "lemke{a}=1}"));
 
@@ -79,4 +79,4 @@ TEST(SpecTest, SplitsAtTopLevelCommasOnly) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::spec_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lcpbench {
+namespace lcpbench::suggestion_test {
 namespace {
 
 const std::vector<std::string> kKnown{"lemke", "contact_lemke", "psor", "paper/monotone/exp1", "--solver"};
@@ -35,4 +35,4 @@ TEST(SuggestionTest, PrefersTheClosestAndThenTheFirst) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::suggestion_test

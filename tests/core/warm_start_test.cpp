@@ -7,7 +7,7 @@
 
 #include "tests/support/allocation_counter.h"
 
-namespace lcpbench {
+namespace lcpbench::warm_start_test {
 namespace {
 
 using Ids = std::vector<ContactId>;
@@ -102,4 +102,4 @@ TEST(MatchedStartTest, OtherEdgesKeepTheNormalImpulseAlone) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::warm_start_test

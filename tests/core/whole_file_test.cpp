@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "tests/support/program_run.h"
 
-namespace lcpbench {
+namespace lcpbench::whole_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,4 +95,4 @@ TEST_F(WholeFileTest, WhatCannotBeWrittenIsNamed) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::whole_file_test

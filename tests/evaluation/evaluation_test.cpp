@@ -11,7 +11,7 @@
 
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::evaluation_test {
 namespace {
 
 TEST(EvaluationTest, ExactAnswersHaveNoError) {
@@ -492,4 +492,4 @@ TEST(ForwardErrorTest, IsTakenOfTheVelocityThatZImplies) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::evaluation_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lcpbench {
+namespace lcpbench::fastest_contact_test {
 namespace {
 
 /// A particle that falls on a floor at 1 m/s, with a pyramid of four edges.
@@ -36,4 +36,4 @@ TEST(FastestContactTest, LeastDifferenceGrowsWithEachKindOfOffset) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::fastest_contact_test

@@ -17,7 +17,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::inspect_test {
 namespace {
 
 Problem bare(const Matrix& M, const Vector& q) { return Problem("bare", Lcp{M, q}); }
@@ -416,6 +416,17 @@ TEST(InspectTest, RankIsThatOfTheDoublesWhateverTheirExponents) {
   EXPECT_EQ(rank_of_doubles(Matrix::Zero(3, 2)), 0);
 }
 
+/// 1 / m of a subnormal mass overflows, and M with it. FLINT ends the program at an infinity.
+TEST(InspectTest, AMassBelowTheNormalNumbersIsInspected) {
+  RigidScene scene;
+  scene.bodies = {RigidBody{.mass = 5e-324, .linear_velocity = {0, 0, -1}}};
+  scene.contacts = {RigidContact{.mu = 0.5, .edges = 4}};
+  const Inspection inspection = inspect(Problem("light", scene));
+  EXPECT_TRUE(inspection.facts["matrix"]["rank"]["exact"].is_null());
+  EXPECT_EQ(inspection.facts["contact"]["rank_N"]["exact"], 1);
+  EXPECT_NE(find(inspection, "extreme_magnitude"), nullptr) << all_codes(inspection);
+}
+
 /// Random problems are what they should be: about their data there is nothing to say but that some are trivial.
 TEST(InspectTest, RandomSetsRaiseNoDoubtAboutTheirData) {
   for (const char* name :
@@ -442,7 +453,7 @@ TEST(SpectrumTest, BoundsOfLargeMatricesCoverTheirFormationAndTheRangeOfDoubles)
   }
 }
 
-class InspectCommandTest : public testing::Test {
+class InspectCommandTest : public ::testing::Test {
  protected:
   int run(const std::string& arguments) { return run_program(folder_ / "", "inspect " + arguments).exit_code; }
   std::string text(const std::string& name) { return read_file(folder_ / name); }
@@ -488,4 +499,4 @@ TEST_F(InspectCommandTest, EveryWarningIsDocumented) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::inspect_test

@@ -9,7 +9,7 @@
 #include "core/quad_inertia.h"
 #include "core/quad_matrix.h"
 
-namespace lcpbench {
+namespace lcpbench::quad_test {
 namespace {
 
 // splitmix64, so that the tests draw the same numbers everywhere.
@@ -263,4 +263,4 @@ TEST(QuadInertiaTest, NoFactorsMoveNothing) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::quad_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::refined_inertia_test {
 namespace {
 
 double largest_of(const QuadVector& x) {
@@ -175,4 +175,4 @@ TEST(RefinedInertiaTest, MeasuresOutliveTheRangeOfADouble) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::refined_inertia_test

@@ -5,7 +5,7 @@ import math
 from fractions import Fraction
 
 SOLVED_RHO = Fraction(1e-4)
-SOLVED_ETA = Fraction(1e-9)
+SOLVED_ETA = Fraction(1e-6)
 SOLVED_VELOCITY = Fraction(1e-4)
 INFINITY = math.inf
 
@@ -30,27 +30,16 @@ def groups(n, related):
 
 
 def backward_error(M, q, z, block):
-    """eta of one block, and a row where it is taken."""
+    """eta of one block, and the first row where it is taken; None if it is zero."""
     largest = max((abs(z[i]) for i in block), default=Fraction(0))
-    ratio = {i: quotient(abs(z[i]), largest) for i in block}
-    best, best_row = INFINITY, None
-    for tau in sorted({Fraction(0), *ratio.values()}):
-        kept = {i: Fraction(0) if ratio[i] <= tau else z[i] for i in block}
-        if any(value < 0 for value in kept.values()):
-            continue
-        top = max(kept.values(), default=Fraction(0))
-        eta, row = Fraction(0), None
-        for i in block:
-            w = q[i] + sum(M[i][j] * kept[j] for j in block)
-            violation = abs(w) if kept[i] > 0 else max(Fraction(0), -w)
-            scale = abs(q[i]) + sum(abs(M[i][j]) * top for j in block)
-            if quotient(violation, scale) > eta:
-                eta, row = quotient(violation, scale), i
-        if max(tau, eta) < best:
-            best = max(tau, eta)
-            best_row = row if eta >= tau else max((i for i in block if ratio[i] <= tau and z[i] != 0),
-                                                  key=lambda i: ratio[i])
-    return best, best_row
+    worst, worst_row = Fraction(0), None
+    for i in block:
+        c = sum(abs(M[i][j]) for j in block) or Fraction(1)
+        w = q[i] + sum(M[i][j] * z[j] for j in block)
+        error = quotient(abs(min(c * z[i], w)), abs(q[i]) + c * largest)
+        if error > worst:
+            worst, worst_row = error, i
+    return worst, worst_row
 
 
 def judge_bare(problem, z):

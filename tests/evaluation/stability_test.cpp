@@ -21,7 +21,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::stability_test {
 namespace {
 
 /// A particle of `mass` kg against three walls.
@@ -82,7 +82,7 @@ const StabilityCell& cell(const StabilityResult& result, Change change, std::siz
   return *found;
 }
 
-class StabilityTest : public testing::Test {
+class StabilityTest : public ::testing::Test {
  protected:
   StabilityResult result_ =
       stability({given({Problem("a", corner(2)), Problem("b", corner(4))})},
@@ -238,7 +238,7 @@ TEST(StabilityOfSolversTest, WhatOffsetsMoveFromRestChangesByAShareOfItsAnswer) 
   EXPECT_NEAR(PhysicalAnswers(problem).change(answer, (1 + 1e-9) * answer), 1e-9, 1e-15);
 }
 
-class StabilityCommandTest : public testing::Test {
+class StabilityCommandTest : public ::testing::Test {
  protected:
   int run(const std::string& arguments) { return run_program(folder_ / "", "stability " + arguments).exit_code; }
   std::string text(const std::string& name) { return read_file(folder_ / name); }
@@ -265,4 +265,4 @@ TEST_F(StabilityCommandTest, GivesTheSameTableTwiceAndRefusesWhatItDoesNotKnow) 
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::stability_test

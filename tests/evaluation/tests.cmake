@@ -1,23 +1,18 @@
-lcpbench_test(quad LINK lcpbench_evaluation)
-lcpbench_test(refined_inertia LINK lcpbench_evaluation)
-lcpbench_test(evaluation LINK lcpbench_evaluation)
-lcpbench_test(island_evaluation LINK lcpbench_evaluation)
-lcpbench_test(fastest_contact LINK lcpbench_evaluation)
-lcpbench_test(backward_error LINK lcpbench_evaluation)
-lcpbench_test(truth LINK lcpbench_evaluation)
-lcpbench_test(friction_model LINK lcpbench_certificates)
-lcpbench_test(verdict LINK lcpbench_study SQLite::SQLite3)
-target_compile_definitions(verdict_test PRIVATE
-  LCPBENCH_VERDICTS_PAGE="${PROJECT_SOURCE_DIR}/docs/explanation/verdicts.md"
-  LCPBENCH_VERDICTS_TABLE="${PROJECT_SOURCE_DIR}/tests/golden/verdicts.md")
-lcpbench_test(inspect LINK lcpbench_inspect lcpbench_generators nlohmann_json::nlohmann_json lcpbench_study)
-target_compile_definitions(inspect_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
-  LCPBENCH_INSPECT_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/inspect.md"
-  LCPBENCH_INSPECT_SOURCES="${PROJECT_SOURCE_DIR}/study/inspect")
-add_dependencies(inspect_test lcpbench)
-lcpbench_test(stability LINK lcpbench_stability lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
-target_compile_definitions(stability_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(stability_test lcpbench)
+lcpbench_room(evaluation LINK lcpbench_study lcpbench_evaluation SQLite::SQLite3
+  DEFINE LCPBENCH_VERDICTS_PAGE="${PROJECT_SOURCE_DIR}/docs/explanation/verdicts.md"
+    LCPBENCH_VERDICTS_TABLE="${PROJECT_SOURCE_DIR}/tests/golden/verdicts.md")
+foreach(test quad refined_inertia evaluation island_evaluation fastest_contact backward_error truth verdict)
+  lcpbench_test(${test})
+endforeach()
+
+lcpbench_room(inspect
+  LINK lcpbench_inspect lcpbench_stability lcpbench_study lcpbench_generators lcpbench_solver_list
+    nlohmann_json::nlohmann_json
+  NEEDS lcpbench DEFINE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
+    LCPBENCH_INSPECT_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/inspect.md"
+    LCPBENCH_INSPECT_SOURCES="${PROJECT_SOURCE_DIR}/study/inspect")
+lcpbench_test(inspect)
+lcpbench_test(stability)
 
 # A judge written from the page that defines verdicts agrees with the program.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)

@@ -6,7 +6,7 @@
 #include "study/evaluation/farkas.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::truth_test {
 namespace {
 
 TEST(TruthTest, SoftContactsAreSolvableOnlyIfTheGivenInverseIsSemidefinite) {
@@ -141,4 +141,4 @@ TEST(FarkasTest, BareProblemsAreProvenFromTheirMatrix) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::truth_test

@@ -12,12 +12,12 @@
 #include "study/evaluation/evaluation.h"
 #include "study/store/schema.h"
 
-namespace lcpbench {
+namespace lcpbench::verdict_test {
 namespace {
 
 constexpr std::array kClaims{Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
                              Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
-constexpr std::array kTruths{"unknown", "solvable", "unsolvable", "nearly"};
+constexpr std::array kTruths{"unknown", "solvable", "unsolvable", "nearly", "answered"};
 constexpr std::array kAnswers{"unusable", "unresolved", "neither", "criterion", "solved"};
 constexpr std::size_t kCombinations = kClaims.size() * kTruths.size() * kAnswers.size();
 
@@ -59,6 +59,7 @@ Truth truth_of(const std::string& word) {
   if (word == "solvable") return Truth::kSolvable;
   if (word == "unsolvable") return Truth::kUnsolvable;
   if (word == "nearly") return Truth::kNearly;
+  if (word == "answered") return Truth::kAnswered;
   EXPECT_EQ(word, "unknown");
   return Truth::kUnknown;
 }
@@ -128,7 +129,8 @@ TEST(VerdictTest, EveryMeasureIsDocumented) {
 
 TEST(VerdictTest, PassingThePapersCriterionChangesNoVerdict) {
   for (const Claim claim : kClaims) {
-    for (const Truth truth : {Truth::kUnknown, Truth::kSolvable, Truth::kUnsolvable, Truth::kNearly}) {
+    for (const char* word : kTruths) {
+      const Truth truth = truth_of(word);
       for (const char* answer : {"unusable", "neither", "solved"}) {
         Errors errors = errors_of(answer);
         const Verdict without = verdict(claim, errors, truth);
@@ -177,7 +179,6 @@ struct StoredCase {
   std::string certificate;  // certificates.certificate, "" for none
   bool solved_by_other = false;
   bool refuted_by_other = false;
-  bool contacts = true;
 };
 
 void insert_answer(Database& store, std::size_t problem, int solver, const std::string& claim, const Errors& errors,
@@ -195,8 +196,7 @@ void insert_answer(Database& store, std::size_t problem, int solver, const std::
 
 std::string stored_verdict(Database& store, std::size_t problem, const Row& row, const StoredCase& stored) {
   const std::string id = std::to_string(problem);
-  store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + (stored.contacts ? ",'contact'" : ",'lcp'") +
-            ",4,2,1,0,'','" + stored.theory + "',0)");
+  store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'contact',4,2,1,0,'','" + stored.theory + "',0)");
   insert_answer(store, problem, 1, row.claim, errors_of(row.answer), false);
   if (stored.solved_by_other) insert_answer(store, problem, 2, "solved", errors_of("solved"), false);
   if (stored.refuted_by_other) insert_answer(store, problem, 3, "unsolvable", errors_of("unusable"), true);
@@ -210,11 +210,9 @@ std::string stored_verdict(Database& store, std::size_t problem, const Row& row,
 
 TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
   const std::vector<StoredCase> unknown{{"", ""}, {"", "open"}};
-  const std::vector<StoredCase> solvable{{"solvable", ""}, {"", "solution"}, {"", "", true}};
-  const std::vector<StoredCase> unsolvable{{"", "unsolvable"},
-                                           {"", "", false, true},
-                                           {"", "", true, true, false},
-                                           {"", "unsolvable", true, false, false}};
+  const std::vector<StoredCase> solvable{{"solvable", ""}, {"", "solution"}};
+  const std::vector<StoredCase> answered{{"", "", true}, {"", "open", true}};
+  const std::vector<StoredCase> unsolvable{{"", "unsolvable"}, {"", "", false, true}};
   const std::vector<StoredCase> nearly{{"", "", true, true}, {"", "unsolvable", true, false}};
   Database store;
   std::size_t problem = 0;
@@ -223,15 +221,16 @@ TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
     const auto& ways = truth == Truth::kUnknown    ? unknown
                        : truth == Truth::kSolvable ? solvable
                        : truth == Truth::kNearly   ? nearly
+                       : truth == Truth::kAnswered ? answered
                                                    : unsolvable;
-    for (StoredCase stored : ways) {
-      // An answer that passes is itself the evidence that makes contacts nearly solvable.
-      if (truth == Truth::kUnsolvable && row.answer == "solved") stored.contacts = false;
+    // An answer that passes is itself the evidence that makes a problem nearly solvable.
+    if (truth == Truth::kUnsolvable && row.answer == "solved") continue;
+    for (const StoredCase& stored : ways) {
       EXPECT_EQ(stored_verdict(store, ++problem, row, stored), row.verdict) << row.combination();
     }
   }
-  EXPECT_EQ(problem, kClaims.size() * kAnswers.size() * (2 + 3 + 4 + 2));
+  EXPECT_EQ(problem, kClaims.size() * (kAnswers.size() * (2 + 2 + 2 + 2 + 2) - 2));
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::verdict_test

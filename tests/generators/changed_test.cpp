@@ -17,7 +17,7 @@
 #include "core/registry.h"
 #include "generators/sets.h"
 
-namespace lcpbench {
+namespace lcpbench::changed_test {
 namespace {
 
 std::string changed_set(const std::string& of, const std::string& by) { return "changed{of=" + of + ",by=" + by + "}"; }
@@ -286,4 +286,4 @@ TEST(ChangedSetTest, HasTheBitsThatItHad) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::changed_test

@@ -9,7 +9,7 @@
 #include "generators/sets.h"
 #include "tests/generators/golden_cases.h"
 
-namespace lcpbench::golden {
+namespace lcpbench::golden::golden_library_test {
 namespace {
 
 template <class Array>
@@ -163,4 +163,4 @@ TEST(GoldenHashesTest, EverySetHasOne) {
 }
 
 }  // namespace
-}  // namespace lcpbench::golden
+}  // namespace lcpbench::golden::golden_library_test

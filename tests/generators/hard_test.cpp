@@ -20,7 +20,7 @@
 #include "study/run/study.h"
 #include "tests/support/enumeration.h"
 
-namespace lcpbench {
+namespace lcpbench::hard_test {
 namespace {
 
 /// Every instance of the built-in plan: each set as it is, and along its dials.
@@ -341,4 +341,4 @@ TEST(HardFormulaTest, OneUlpDecidesBetweenStickingAndSliding) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::hard_test

@@ -13,7 +13,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 
-namespace lcpbench {
+namespace lcpbench::made_test {
 namespace {
 
 Problem generate(const MadeSet& set, const std::string& options, std::int64_t trial) {
@@ -157,4 +157,4 @@ TEST(MadeTest, ThePageStatesTheSplit) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::made_test

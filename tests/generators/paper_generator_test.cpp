@@ -8,7 +8,7 @@
 #include "tests/generators/generator_checks.h"
 #include "tests/generators/opened_set.h"
 
-namespace lcpbench {
+namespace lcpbench::paper_generator_test {
 namespace {
 
 using checks::Tables;
@@ -391,4 +391,4 @@ TEST(PaperGeneratorTest, AReadingChangesOnlyWhatItConcerns) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::paper_generator_test

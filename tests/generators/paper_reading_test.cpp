@@ -9,7 +9,7 @@
 #include "tests/generators/generator_checks.h"
 #include "tests/generators/opened_set.h"
 
-namespace lcpbench {
+namespace lcpbench::paper_reading_test {
 namespace {
 
 using checks::Tables;
@@ -137,4 +137,4 @@ TEST(PaperReadingTest, WeightsAndVectorsFollowTheirDistributions) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::paper_reading_test

@@ -11,7 +11,7 @@
 #include "tests/generators/generator_checks.h"
 #include "tests/generators/opened_set.h"
 
-namespace lcpbench {
+namespace lcpbench::planted_generator_test {
 namespace {
 
 using Opened = testing::OpenedSet<PlantedSet, draw_planted>;
@@ -120,4 +120,4 @@ TEST(PlantedGeneratorTest, OptionsOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::planted_generator_test

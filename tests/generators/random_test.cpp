@@ -7,7 +7,7 @@
 
 #include "tests/generators/generator_checks.h"
 
-namespace lcpbench {
+namespace lcpbench::random_test {
 namespace {
 
 using Block = std::array<std::uint64_t, 4>;
@@ -118,4 +118,4 @@ TEST(DrawSequenceTest, IntegersOfTheWidestAndTheNarrowestRange) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::random_test

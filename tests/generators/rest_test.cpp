@@ -13,7 +13,7 @@
 #include "generators/sets.h"
 #include "tests/generators/opened_set.h"
 
-namespace lcpbench {
+namespace lcpbench::rest_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 72;
@@ -189,4 +189,4 @@ TEST(RestTest, BelowAMarginOfOneTheyCannot) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::rest_test

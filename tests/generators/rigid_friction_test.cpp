@@ -12,7 +12,7 @@
 #include "tests/generators/generator_checks.h"
 #include "tests/generators/opened_set.h"
 
-namespace lcpbench {
+namespace lcpbench::rigid_friction_test {
 namespace {
 
 using Opened = testing::OpenedSet<RigidSet, draw_rigid>;
@@ -248,4 +248,4 @@ TEST(RigidFrictionTest, ProblemsComeBackFromFiles) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::rigid_friction_test

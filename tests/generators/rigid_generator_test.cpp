@@ -10,7 +10,7 @@
 #include "tests/generators/generator_checks.h"
 #include "tests/generators/opened_set.h"
 
-namespace lcpbench {
+namespace lcpbench::rigid_generator_test {
 namespace {
 
 using Opened = testing::OpenedSet<RigidSet, draw_rigid>;
@@ -276,4 +276,4 @@ TEST(RigidGeneratorTest, ATrialIsTheSameAloneInABatchAndInTwoThreads) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::rigid_generator_test

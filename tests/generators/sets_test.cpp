@@ -15,7 +15,7 @@
 #include "generators/rest/rest.h"
 #include "generators/scenes/scenes.h"
 
-namespace lcpbench {
+namespace lcpbench::sets_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -252,4 +252,4 @@ TEST_F(FileSetTest, RefusesWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::sets_test

@@ -8,7 +8,7 @@
 #include "generators/random.h"
 #include "tests/generators/generator_checks.h"
 
-namespace lcpbench {
+namespace lcpbench::spectrum_test {
 namespace {
 
 ColumnMajor<double> square(std::size_t n, std::vector<double> columns) {
@@ -100,4 +100,4 @@ TEST(MapSpectrumTest, EachMapDoesWhatItsNameSays) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::spectrum_test

@@ -59,23 +59,13 @@ if(NOT LCPBENCH_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
   endif()
 endif()
 
-lcpbench_test(changed LINK lcpbench_solver_list lcpbench_generators lcpbench_io)
-lcpbench_test(random LINK lcpbench_generators)
-lcpbench_test(spectrum LINK lcpbench_generators)
-lcpbench_test(paper_generator LINK lcpbench_generators Threads::Threads)
-lcpbench_test(paper_reading LINK lcpbench_generators)
-lcpbench_test(rigid_generator LINK lcpbench_generators Threads::Threads)
-lcpbench_test(rigid_friction LINK lcpbench_generators)
-lcpbench_test(planted_generator LINK lcpbench_generators)
-lcpbench_test(made LINK lcpbench_evaluation lcpbench_generators lcpbench_solver_list)
-target_compile_definitions(made_test PRIVATE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md")
-lcpbench_test(rest LINK lcpbench_generators)
-target_compile_definitions(rest_test PRIVATE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md")
-lcpbench_test(sets LINK lcpbench_generators)
-lcpbench_test(golden_library LINK lcpbench_generators)
-target_compile_definitions(golden_library_test
-                           PRIVATE GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt")
-
-# Against the judge, which lives in study/.
-lcpbench_test(hard LINK lcpbench_evaluation lcpbench_generators lcpbench_study lcpbench_solver_list)
-target_compile_definitions(hard_test PRIVATE HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")
+# Also against the judge, which lives in study/.
+lcpbench_room(generators
+  LINK lcpbench_evaluation lcpbench_generators lcpbench_io lcpbench_study lcpbench_solver_list Threads::Threads
+  DEFINE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md"
+    GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt"
+    HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")
+foreach(test changed random spectrum paper_generator paper_reading rigid_generator rigid_friction planted_generator made
+        rest sets golden_library hard)
+  lcpbench_test(${test})
+endforeach()

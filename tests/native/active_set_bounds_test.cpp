@@ -12,7 +12,7 @@
 #define LCPBENCH_LEVEL active_set_bounds_test
 #include "native/active_set/whitening.h"
 
-namespace lcpbench {
+namespace lcpbench::active_set_bounds_test {
 namespace {
 
 using Whitening = active_set::LCPBENCH_LEVEL::Whitening<double>;
@@ -109,4 +109,4 @@ TEST(ActiveSetBoundsTest, OfADiagonalInertiaDoNotDependOnTheMasses) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::active_set_bounds_test

@@ -19,7 +19,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_active_set();
+}
 
+namespace lcpbench::active_set_test {
 namespace {
 
 using testing::exact_velocity;
@@ -497,4 +499,4 @@ TEST(LeastEnergyTest, SeparatesWhereAContactThatPressesSlips) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::active_set_test

@@ -14,7 +14,7 @@
 
 // The problems of rest/*: where rest is a solution by construction, `auto` returns it, whatever it begins with.
 
-namespace lcpbench {
+namespace lcpbench::auto_rest_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 72;
@@ -191,4 +191,4 @@ TEST(AutoRestTest, SolvesWhereRestIsImpossible) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::auto_rest_test

@@ -20,7 +20,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_auto();
+}
 
+namespace lcpbench::auto_scenes_test {
 namespace {
 
 using testing::least_energy_velocity;
@@ -221,4 +223,4 @@ TEST(AutoScenesTest, AnErrorBelow1em12CountsAs1em12) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::auto_scenes_test

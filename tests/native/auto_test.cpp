@@ -19,7 +19,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_active_set();
+}
 
+namespace lcpbench::auto_test {
 namespace {
 
 using testing::auto_solver;
@@ -469,4 +471,4 @@ TEST(AutoTest, TakesNoContactsAndOne) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::auto_test

@@ -20,7 +20,7 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/support/enumeration.h"
 
-namespace lcpbench {
+namespace lcpbench::bare_claims_test {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -116,6 +116,57 @@ TEST(BareClaimsTest, EveryBlockIsJudgedByItsOwnScale) {
   EXPECT_LE(test.backward_error(Vector::Map(std::array{1e10, 1.0}.data(), 2)), kClaimedBackwardError);
 }
 
+TEST(BareClaimsTest, WhatAnInteriorPointLeavesAtRestIsASolution) {
+  const Lcp rests = lcp_of(2, {2, 1, 1, 3}, {4, 5});
+  BareLcpTest test;
+  test.load(rests);
+  const Vector dust = Vector::Map(std::array{2.5e-12, 1e-12}.data(), 2);
+  EXPECT_LE(test.backward_error(dust), kClaimedBackwardError);
+  EXPECT_FALSE(test.disproves(dust, kForever));
+  EXPECT_GT(test.backward_error(1e6 * dust), kClaimedBackwardError);
+  const Lcp zeros = lcp_of(1, {0}, {1});
+  test.load(zeros);
+  EXPECT_LE(test.backward_error(Vector::Constant(1, 1e-12)), kClaimedBackwardError);
+  EXPECT_GT(test.backward_error(Vector::Constant(1, 1)), 0.4);
+}
+
+// --- blocks ---
+
+/// Rows 0 and 1 are `corner`, the others the identity.
+Lcp beside_identity(Index n, const Matrix& corner, const Vector& q) {
+  Lcp lcp{Matrix::Identity(n, n), Vector::Constant(n, -1)};
+  lcp.M.topLeftCorner(2, 2) = corner;
+  lcp.q.head(2) = q;
+  return lcp;
+}
+
+TEST(BareClaimsTest, AutoSolvesEveryBlockByItself) {
+  for (const Index n : {12, 13, 60}) {
+    const Lcp lcp = beside_identity(n, Matrix{{0, 1}, {0, 0}}, Vector{{-1, 0}});
+    const Answer answer = solve("auto", Problem("blocks", lcp));
+    EXPECT_EQ(answer.claim, Claim::kSolved) << n << ": " << answer.detail;
+    EXPECT_EQ(Evaluator(Problem("blocks", lcp)).errors(answer).backward_row_norm, 0) << n;
+    EXPECT_EQ(answer.z.tail(n - 1), Vector::Ones(n - 1)) << n;
+  }
+}
+
+TEST(BareClaimsTest, AutoProvesThatABlockHasNoSolution) {
+  const Lcp lcp = beside_identity(13, Matrix{{0, 1}, {0, 0}}, Vector{{-1, -1}});
+  const Answer answer = solve("auto", Problem("blocks", lcp));
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
+  EXPECT_TRUE(is_farkas_vector(lcp, answer.farkas));
+  EXPECT_EQ(answer.detail.find("block of 2 rows, from row 0: "), 0U) << answer.detail;
+}
+
+TEST(BareClaimsTest, AutoGivesTheBlocksThatItSolved) {
+  const Lcp lcp = beside_identity(13, Matrix{{0, 3}, {0, 1}}, Vector{{-3, -0.9}});  // feasible, and without a solution
+  const Answer answer = solve("auto", Problem("blocks", lcp));
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
+  const Answer late = solve("auto", Problem("blocks", lcp), 0);
+  EXPECT_EQ(late.claim, Claim::kTimeLimit);
+  EXPECT_EQ(late.z.size(), 13);
+}
+
 // --- small problems of every kind ---
 
 class Nasty {
@@ -151,6 +202,22 @@ class Nasty {
 
   std::mt19937_64 random_;
 };
+
+TEST(BareClaimsTest, TheBoundIsThatOfTheVerdict) {
+  Nasty nasty(73);
+  std::mt19937_64 random(73);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Lcp lcp = nasty.next();
+    BareLcpTest test;
+    test.load(lcp);
+    Answer answer;
+    answer.z.resize(lcp.size());
+    for (double& z : answer.z) z = std::ldexp(static_cast<double>(random() % 7), -static_cast<int>(random() % 40));
+    const double judged = Evaluator(Problem("nasty", lcp)).errors(answer).backward_row_norm;
+    EXPECT_NEAR(test.backward_error(answer.z), judged, 1e-14 + 1e-13 * judged) << trial;
+    EXPECT_GE(test.backward_error(answer.z), judged * (1 - 0x1p-50)) << trial;
+  }
+}
 
 TEST(BareClaimsTest, AgreeWithEnumerationOnNastyProblems) {
   Nasty nasty(20261121);
@@ -277,4 +344,4 @@ TEST(CoveringLemkeTest, SolvesSmallProblemsAfterLargeOnes) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::bare_claims_test

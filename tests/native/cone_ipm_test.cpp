@@ -15,7 +15,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_cone_ipm();
+}
 
+namespace lcpbench::cone_ipm_test {
 namespace {
 
 using testing::vector_of;
@@ -348,4 +350,4 @@ TEST(ConeIpmTest, ObeysItsLimits) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::cone_ipm_test

@@ -12,7 +12,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::conformance_test {
 namespace {
 
 using testing::Uniform;
@@ -383,12 +383,13 @@ TEST_P(ConformanceTest, AllocatesNothingInASolve) {
 }
 
 /// The problem beside itself as often as it takes for more than 12 rows: up to these, exact arithmetic may decide,
-/// which allocates.
+/// which allocates. Each is coupled to the next, for of separate blocks `auto` loads one after the other.
 Lcp repeated(const Lcp& lcp) {
   const Index n = lcp.size();
   const Index copies = 12 / n + 1;
   Lcp all{Matrix::Zero(copies * n, copies * n), lcp.q.replicate(copies, 1)};
   for (Index k = 0; k < copies; ++k) all.M.block(k * n, k * n, n, n) = lcp.M;
+  for (Index k = 0; k + 1 < copies; ++k) all.M.block(k * n, (k + 1) * n, n, n).setOnes();
   return all;
 }
 
@@ -425,4 +426,4 @@ INSTANTIATE_TEST_SUITE_P(Native, ConformanceTest, ::testing::ValuesIn(native_sol
                          [](const auto& test) { return test.param; });
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::conformance_test

@@ -14,7 +14,7 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/support/two_chains.h"
 
-namespace lcpbench {
+namespace lcpbench::contact_claims_test {
 namespace {
 
 constexpr double kTimeLimit_s = 600;
@@ -497,4 +497,4 @@ TEST(ContactClaimsTest, HoldWhereFactorsAreDependent) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::contact_claims_test

@@ -12,7 +12,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_active_set();
+}
 
+namespace lcpbench::contact_farkas_test {
 namespace {
 
 constexpr double kNoDeadline = std::numeric_limits<double>::infinity();
@@ -202,4 +204,4 @@ TEST(ContactFarkasTest, ActiveSetDoesNotBlameTheInertiaForAProofThatIsTooLarge) 
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::contact_farkas_test

@@ -20,7 +20,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_contact_lemke();
+}
 
+namespace lcpbench::contact_lemke_paths_test {
 namespace {
 
 std::unique_ptr<Solver> contact_lemke(const Options& options = {}) {
@@ -245,4 +247,4 @@ TEST(ContactLemkeTest, TheBestOfAllStagesIsReturnedWhereItMayNotBeClaimed) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::contact_lemke_paths_test

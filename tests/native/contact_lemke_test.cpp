@@ -21,7 +21,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_contact_lemke();
+}
 
+namespace lcpbench::contact_lemke_test {
 namespace {
 
 std::unique_ptr<Solver> contact_lemke(const Options& options = {}) {
@@ -496,4 +498,4 @@ TEST(ContactLemkeTest, ObeysItsLimits) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::contact_lemke_test

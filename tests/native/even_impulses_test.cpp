@@ -15,7 +15,7 @@
 #include "tests/support/cube_stack.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::even_impulses_test {
 namespace {
 
 using testing::auto_solver;
@@ -52,12 +52,12 @@ Answer solve_evenly(const Problem& problem, const std::string& what) {
   return answer;
 }
 
-/// By contacts that all yield by 1e-6 of the mean M_ii of the normals.
-Answer solve_softly(const Problem& problem) {
+/// By contacts that all yield by a part of the mean M_ii of the normals.
+Answer solve_softly(const Problem& problem, double part) {
   ContactProblem soft = *problem.contact();
   const Matrix N = to_dense(soft.N);
   const double mean = (N.transpose() * inverse_inertia(soft.inertia) * N).diagonal().mean();
-  soft.compliance_n = Vector::Constant(soft.nc(), 1e-6 * mean);
+  soft.compliance_n = Vector::Constant(soft.nc(), part * mean);
   soft.compliance_t = soft.compliance_n;
   return solve(Problem("soft", soft));
 }
@@ -148,60 +148,71 @@ TEST(EvenImpulsesTest, AGraspedCubeHasAQuarterOfTheLoadAtEachContact) {
 
 // --- against other answers ---
 
-/// Whether no convex combination with these impulses has a smaller sum of squares: the condition of the least sum.
-void expect_least(const Eigen::Matrix3Xd& even, const Eigen::Matrix3Xd& other, const std::string& what) {
-  EXPECT_GE((other - even).cwiseProduct(even).sum(), -1e-7 * even.squaredNorm()) << what;
-}
-
-TEST(EvenImpulsesTest, HaveTheLeastSumAndTheSameVerdict) {
-  int compared = 0;
-  for (const char* name : {"made/arch{nc_max=60}", "made/tower{nc_max=60}", "made/cards{nc_max=60}", "made/hand",
-                           "made/bridge{nc_max=60,edges=2}", "made/drystone{nc_max=60,edges=16}",
-                           "made/robot{nc_max=40}", "made/packing{nc_max=40,edges=0}"}) {
-    const auto set = open_set(name);
-    for (int trial = 0; trial < 6; ++trial) {
-      const Problem problem = set->generate(20261201, trial);
-      const std::string what = problem.name();
-      const Answer any = solve(problem), even = solve_evenly(problem, what);
-      EXPECT_EQ(any.impulses, Impulses::kAny);
-      const double speed = problem.contact()->v.lpNorm<Eigen::Infinity>();
-      EXPECT_LE(testing::velocity_difference(problem, any, even), 1e-8 * speed) << what;
-      const Eigen::Matrix3Xd impulses = net_of(problem, even.z);
-      expect_least(impulses, net_of(problem, any.z), what);
-      for (const char* method : {"psor", "proximal_newton", "contact_lemke"}) {
-        const auto solver = make_solver(parse_spec(method));
-        solver->load(problem);
-        const Answer other = solve(*solver);
-        if (other.claim != Claim::kSolved) continue;
-        if (!(testing::velocity_difference(problem, other, even) <= 1e-7 * speed)) continue;
-        expect_least(impulses, net_of(problem, other.z), what + " against " + method);
-        ++compared;
-      }
-    }
-  }
-  EXPECT_GE(compared, 30);
-}
-
-/// Whether friction is at its limit, or nothing pressed, at no contact: where it is, contacts of vanishing compliance
-/// slip by as little, and do not obey the least sum.
-bool is_inside(const Problem& problem, const Vector& z) {
-  const ContactProblem& contact = *problem.contact();
-  Index direction = contact.nc();
-  for (Index i = 0; i < contact.nc(); ++i) {
-    const Index edges = contact.edges[static_cast<std::size_t>(i)];
-    const double friction = z.segment(direction, edges).sum();
-    if (!(z(i) > 0) || (edges > 0 && !(friction < (1 - 1e-6) * contact.mu(i) * z(i)))) return false;
-    direction += edges;
-  }
-  return true;
-}
-
 void expect_same_as_soft(const Problem& problem) {
-  const Answer even = solve_evenly(problem, problem.name()), soft = solve_softly(problem);
+  const Answer even = solve_evenly(problem, problem.name()), soft = solve_softly(problem, 1e-6);
   ASSERT_EQ(soft.claim, Claim::kSolved);
   const Eigen::Matrix3Xd impulses = net_of(problem, even.z);
   EXPECT_LE((impulses - net_of(problem, soft.z)).cwiseAbs().maxCoeff(), 1e-4 * impulses.cwiseAbs().maxCoeff())
       << problem.name() << " of " << impulses.cols() << " contacts";
+}
+
+/// Where the velocity of soft contacts comes to that of `auto` the impulses do, too; elsewhere it has the answer that
+/// it has without them. What is left of the compliance is taken away by a second one of half its size.
+TEST(EvenImpulsesTest, AreThoseOfVanishingCompliance) {
+  int compared = 0, kept = 0;
+  for (const char* name :
+       {"made/arch{nc_max=60}", "made/tower{nc_max=60}", "made/cards{nc_max=60}", "made/hand",
+        "made/bridge{nc_max=60,edges=2}", "made/drystone{nc_max=60,edges=16}", "made/robot{nc_max=40}",
+        "made/packing{nc_max=40,edges=0}", "made/bridge{nc_max=60,mass_ratio=1,motion=rest}"}) {
+    const auto set = open_set(name);
+    for (int trial = 0; trial < 6; ++trial) {
+      const Problem problem = set->generate(20261201, trial);
+      const std::string what = problem.name();
+      const Answer any = solve(problem), even = solve(problem, kEven);
+      EXPECT_EQ(any.impulses, Impulses::kAny);
+      ASSERT_EQ(even.claim, Claim::kSolved) << what;
+      EXPECT_TRUE(Evaluator(problem).errors(even).solved) << what << ": " << even.detail;
+      const double speed = problem.contact()->v.lpNorm<Eigen::Infinity>();
+      EXPECT_LE(testing::velocity_difference(problem, any, even), 1e-8 * speed) << what;
+      const Answer soft = solve_softly(problem, 1e-6), harder = solve_softly(problem, 5e-7);
+      const double first = testing::velocity_difference(problem, soft, even),
+                   second = testing::velocity_difference(problem, harder, even);
+      const bool is_limit = first <= 1e-3 * speed && second <= 0.6 * first;
+      if (!is_limit && even.impulses == Impulses::kAny) {
+        EXPECT_EQ(Vector(even.z), Vector(any.z)) << what;
+        EXPECT_TRUE(contains(even.detail, "impulses not even: none were found")) << what << ": " << even.detail;
+        ++kept;
+      }
+      if (!is_limit) continue;
+      EXPECT_EQ(even.impulses, Impulses::kEven) << what << ": " << even.detail;
+      const Eigen::Matrix3Xd impulses = net_of(problem, even.z);
+      const Eigen::Matrix3Xd limit = 2 * net_of(problem, harder.z) - net_of(problem, soft.z);
+      EXPECT_LE((impulses - limit).cwiseAbs().maxCoeff(), 1e-4 * impulses.cwiseAbs().maxCoeff()) << what;
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 25);
+  EXPECT_GE(kept, 3);
+}
+
+/// A table whose legs 1 and 3 have little friction is pushed: they carry all that it allows, and no more of the weight.
+/// Of least sum of squares they would carry more of it.
+TEST(EvenImpulsesTest, LegsAtTheirLimitCarryNoMoreOfTheWeight) {
+  ContactProblem contact = *body_on_ground(20, {2, 2, 3}, 0, 0.05, 1, {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}).contact();
+  contact.mu = vector_of({0.1, 1, 0.1, 1});
+  contact.v(0) = 0.02;
+  const Problem problem("pushed table", contact);
+  const Eigen::Matrix3Xd net = net_of(problem, solve_evenly(problem, "pushed table").z);
+  const double each = 20 * 0.05 / 4, push = 20 * 0.02 / 2 - 0.1 * each;
+  Eigen::Matrix3Xd expected(3, 4);
+  expected << each, each, each, each, -0.1 * each, -push, -0.1 * each, -push, 0, 0, 0, 0;
+  EXPECT_LE((net - expected).cwiseAbs().maxCoeff(), 1e-9 * each) << net;
+}
+
+/// Captured steps with contacts that stick at their limit; in that of the wedge Newton's method does not come to the
+/// limit from zero.
+TEST(EvenImpulsesTest, AreThoseOfVanishingComplianceWhereFrictionIsAtItsLimit) {
+  for (const char* name : {"scene/wall/ode", "scene/wedge/ode"}) expect_same_as_soft(open_set(name)->generate(0, 0));
 }
 
 TEST(EvenImpulsesTest, AreThoseOfVanishingComplianceAtRest) {
@@ -215,21 +226,6 @@ TEST(EvenImpulsesTest, AreThoseOfVanishingComplianceAtRest) {
     }
     expect_same_as_soft(Problem("stacks", scene));
   }
-  int compared = 0;
-  for (const char* name :
-       {"made/arch{nc_max=60,mass_ratio=1,motion=rest}", "made/tower{nc_max=60,mass_ratio=1,motion=rest}",
-        "made/bridge{nc_max=60,mass_ratio=1,motion=rest}"}) {
-    const auto set = open_set(name);
-    for (int trial = 0; trial < 12; ++trial) {
-      const Problem problem = set->generate(20261202, trial);
-      const Answer even = solve_evenly(problem, problem.name());
-      const double speed = post_impact_velocity(*problem.contact(), even.z).lpNorm<Eigen::Infinity>();
-      if (!(speed <= 1e-9 * problem.contact()->v.lpNorm<Eigen::Infinity>()) || !is_inside(problem, even.z)) continue;
-      expect_same_as_soft(problem);
-      ++compared;
-    }
-  }
-  EXPECT_GE(compared, 5);
 }
 
 TEST(EvenImpulsesTest, AreThoseOfVanishingComplianceWhereBoxesSlide) {
@@ -295,4 +291,4 @@ TEST(EvenImpulsesTest, BareLcpsHaveNone) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::even_impulses_test

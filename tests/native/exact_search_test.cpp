@@ -9,7 +9,7 @@
 #include "tests/support/enumeration.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::exact_search_test {
 namespace {
 
 using testing::enumerate;
@@ -170,4 +170,4 @@ TEST(ExactSearchTest, SolvesWhatSpans2000Bits) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::exact_search_test

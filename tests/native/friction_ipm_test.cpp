@@ -15,7 +15,9 @@
 namespace lcpbench {
 SolverDefinition lcpbench_solver_friction_ipm();
 SolverDefinition lcpbench_solver_velocity_ipm();
+}
 
+namespace lcpbench::friction_ipm_test {
 namespace {
 
 Answer solve_with(const SolverDefinition& definition, const Problem& problem, const Options& options = {},
@@ -237,4 +239,4 @@ TEST(FrictionIpmTest, StopsAtItsLimits) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::friction_ipm_test

@@ -6,7 +6,7 @@
 
 #include "native/contacts/row_bounds.h"
 
-namespace lcpbench {
+namespace lcpbench::island_units_test {
 namespace {
 
 /// One coordinate and one contact on each of several bodies.
@@ -120,4 +120,4 @@ TEST(RowBoundsTest, AContactMayApproachByWhatRoundingHides) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::island_units_test

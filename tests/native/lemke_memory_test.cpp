@@ -7,7 +7,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::lemke_memory_test {
 namespace {
 
 TEST(LemkeEnginesTest, ALevelTheProcessorLacksIsRefused) {
@@ -38,4 +38,4 @@ TEST(LemkeEnginesTest, AllocateNothingInASolve) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::lemke_memory_test

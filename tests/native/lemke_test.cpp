@@ -14,9 +14,10 @@
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {
-
 SolverDefinition lcpbench_solver_lemke();
+}
 
+namespace lcpbench::lemke_test {
 namespace {
 
 using testing::circulant;
@@ -424,4 +425,4 @@ TEST(LemkeEnginesTest, CountsItsWork) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::lemke_test

@@ -15,7 +15,7 @@
 #include "native/velocity_ipm/assembly_tree.h"
 #include "tests/support/allocation_counter.h"
 
-namespace lcpbench {
+namespace lcpbench::multifrontal_test {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -347,4 +347,4 @@ TEST(CholeskyKernelsTest, MeasuresTheInverseOfAFactor) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::multifrontal_test

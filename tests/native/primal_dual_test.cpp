@@ -7,7 +7,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_primal_dual();
+}
 
+namespace lcpbench::primal_dual_test {
 namespace {
 
 using testing::TextbookLcp;
@@ -163,4 +165,4 @@ TEST(PrimalDualTest, UpdateSolvesForTheNewVelocity) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::primal_dual_test

@@ -12,7 +12,9 @@
 namespace lcpbench {
 SolverDefinition lcpbench_solver_murty();
 SolverDefinition lcpbench_solver_principal_pivoting();
+}
 
+namespace lcpbench::principal_pivoting_test {
 namespace {
 
 using testing::Uniform;
@@ -275,4 +277,4 @@ TEST(PrincipalPivotingTest, SaysUnsolvableOnlyOfProblemsWithSingularInertia) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::principal_pivoting_test

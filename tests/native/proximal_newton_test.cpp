@@ -12,7 +12,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_proximal_newton();
+}
 
+namespace lcpbench::proximal_newton_test {
 namespace {
 
 using Point = FrictionPolygon::Point;
@@ -208,4 +210,4 @@ TEST(ProximalNewtonTest, SolvesWhereRoundingAloneKeepsTheInertiaRegular) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::proximal_newton_test

@@ -15,7 +15,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_psor();
+}
 
+namespace lcpbench::psor_test {
 namespace {
 
 std::unique_ptr<Solver> psor(const Options& options = {}) { return lcpbench_solver_psor().make(options); }
@@ -343,4 +345,4 @@ TEST(ContactColumns, AreThoseOfDWhateverTheEdges) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::psor_test

@@ -14,7 +14,7 @@
 #include "native/auto/powers.h"
 #include "native/auto/race.h"
 
-namespace lcpbench {
+namespace lcpbench::race_test {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -358,4 +358,4 @@ TEST(RaceTest, IsOverAtTheDeadline) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::race_test

@@ -6,7 +6,7 @@
 
 #include "core/types.h"
 
-namespace lcpbench {
+namespace lcpbench::response_test {
 namespace {
 
 using Response = lemke::response_test::Response<double>;
@@ -51,4 +51,4 @@ TEST(ResponseTest, NothingIsKnownOfASumThatIsRegularByRoundingAlone) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::response_test

@@ -21,7 +21,7 @@
 #include "tests/support/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 
-namespace lcpbench {
+namespace lcpbench::resumable_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -290,4 +290,4 @@ TEST(ResumableTest, PartsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::resumable_test

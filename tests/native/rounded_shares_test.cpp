@@ -10,7 +10,7 @@
 #include "core/types.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::rounded_shares_test {
 namespace {
 
 using Shares = lemke::rounded_shares_test::RoundedShares<double>;
@@ -61,4 +61,4 @@ TEST(RoundedSharesTest, DependentColumnsAreRefused) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::rounded_shares_test

@@ -16,7 +16,7 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::soft_contacts_test {
 namespace {
 
 enum class Which { kAll, kSome };
@@ -407,4 +407,4 @@ TEST(SoftContactsTest, NextStepsGoOnFromTheLastAnswer) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::soft_contacts_test

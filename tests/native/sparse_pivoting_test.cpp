@@ -12,7 +12,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_auto();
+}
 
+namespace lcpbench::sparse_pivoting_test {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -168,4 +170,4 @@ TEST(SparsePivotingTest, ClaimsNothingWithoutASolution) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::sparse_pivoting_test

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/stepper.h"
 
-namespace lcpbench {
+namespace lcpbench::steppers_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -478,4 +478,4 @@ TEST(Steppers, TheLastImpulsesHoldAStackThatColdSweepsLose) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::steppers_test

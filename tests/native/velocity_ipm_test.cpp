@@ -17,7 +17,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_velocity_ipm();
+}
 
+namespace lcpbench::velocity_ipm_test {
 namespace {
 
 constexpr int kMostSteps = 25;
@@ -30,7 +32,7 @@ Answer solve(const Problem& problem, const Options& options = {}, const SolveReq
   return answer;
 }
 
-ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
+ContactProblem without_friction(Vector v, Matrix N, Inertia inertia) {
   ContactProblem contact;
   contact.v = std::move(v);
   contact.D = Matrix(N.rows(), 0);
@@ -43,7 +45,7 @@ ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
 
 /// The same problem without its sparsity.
 ContactProblem dense(const ContactProblem& sparse) {
-  return frictionless(sparse.v, to_dense(sparse.N), DenseInertia{dense_inertia(sparse.inertia)});
+  return without_friction(sparse.v, to_dense(sparse.N), DenseInertia{dense_inertia(sparse.inertia)});
 }
 
 TEST(VelocityIpmTest, FinishesThePaperSetsToFullAccuracy) {
@@ -108,7 +110,7 @@ TEST(VelocityIpmTest, NeedsNoCentralPath) {
   star << 1, -1, 0, 0.5, 0.5, -1;
   for (const Matrix& N : {plates, star}) {
     const Problem problem("caught",
-                          frictionless(testing::vector_of({-0.75, 0.5}), N, DenseInertia{2 * Matrix::Identity(2, 2)}));
+                          without_friction(testing::vector_of({-0.75, 0.5}), N, DenseInertia{2 * Matrix::Identity(2, 2)}));
     const Answer answer = solve(problem, {{"finish", "false"}});
     ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
     EXPECT_LE(answer.counters.iterations, kMostSteps);
@@ -147,7 +149,7 @@ TEST(VelocityIpmTest, SparseAlgebraTakesBodiesOfAnySize) {
       v.tail(ngc) = contact.v;
     }
     const ContactProblem bodies =
-        frictionless(v, N, BlockInertia{{2 * Matrix::Identity(2, 2), Matrix::Identity(3, 3), G}});
+        without_friction(v, N, BlockInertia{{2 * Matrix::Identity(2, 2), Matrix::Identity(3, 3), G}});
     ASSERT_GT(G.rows(), 16) << "no longer than what is summed at once";
     const Answer sparse = solve(Problem("sparse", bodies), {{"algebra", "sparse"}});
     const Answer full = solve(Problem("dense", dense(bodies)));
@@ -281,7 +283,7 @@ TEST(VelocityIpmTest, SaysUnsolvableOnlyWithTheFinishAndSolvedNever) {
   N << 1, -1, 1, 1;
   Matrix Ginv = Matrix::Identity(2, 2);
   Ginv(1, 1) = 0;
-  const Problem crushed("crushed", frictionless(testing::vector_of({0, -1}), N, InverseInertia{Ginv}));
+  const Problem crushed("crushed", without_friction(testing::vector_of({0, -1}), N, InverseInertia{Ginv}));
   const Answer answer = solve(crushed);
   EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
   EXPECT_TRUE(Evaluator(crushed).check_farkas(answer.farkas));
@@ -305,4 +307,4 @@ TEST(VelocityIpmTest, RefusesWhatItsAlgebraCannotTake) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::velocity_ipm_test

@@ -20,7 +20,9 @@
 namespace lcpbench {
 SolverDefinition lcpbench_solver_auto();
 SolverDefinition lcpbench_solver_friction_ipm();
+}
 
+namespace lcpbench::warm_steps_test {
 namespace {
 
 using testing::box_stacks;
@@ -341,4 +343,4 @@ TEST(WarmStepsTest, CollectedStepsAreVerifiedAndRestWhereTheyCan) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::warm_steps_test

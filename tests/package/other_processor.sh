@@ -74,7 +74,7 @@ not_emulated=(
   # posix_spawn of a file that is not there succeeds
   WorkerTest.FailureToStartIsReported RunnerTest.WhatAUserCanMendEndsTheRunAndSaysHowToGoOn
   # against a clock: 113-bit arithmetic; kills at times by which a worker has to be up
-  ContactLemkeTest.SolvesLargeIllConditionedProblemsInTime KillTest.FiftyKillsLoseNothing
+  ContactLemkeTest.SolvesLargeIllConditionedProblemsInTime KillTest.KillsLoseNothing
 )
 say "Left out, since the emulator cannot show them: ${not_emulated[*]}"
 GTEST_FILTER="-$(IFS=:; echo "${not_emulated[*]}")" chroot "$root" ctest --test-dir "$checkout/build/release" --output-on-failure "$@"

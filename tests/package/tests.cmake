@@ -1,7 +1,7 @@
 # The package for simulators.
-lcpbench_test(embedding LINK lcpbench::native)
+lcpbench_room(package)
+lcpbench_test(embedding APART LINK lcpbench::native)
 target_include_directories(embedding_test PRIVATE ${PROJECT_SOURCE_DIR})
-target_sources(embedding_test PRIVATE support/allocation_counter.cpp)
 
 # The example as it stands in the documents, in this build ...
 add_executable(embedding_example ${PROJECT_SOURCE_DIR}/examples/embed/main.cpp)

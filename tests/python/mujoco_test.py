@@ -91,12 +91,18 @@ class Capture(unittest.TestCase):
                 self.assertEqual(lcpbench.check(step.problem, 1.01 * step.impulses).verdict, "wrong")
                 np.testing.assert_allclose(lcpbench.solve(step.problem).velocity, step.velocity, atol=1e-9)
                 self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
-                pairs = [f"{b}-{a}" for a, b in data.contact.geom]
-                limits = [f"joint-{data.efc_id[i]}" for i in np.flatnonzero(
+                name = lambda kind, i: mujoco.mj_id2name(model, kind, int(i)) or str(i)
+                pairs = ["-".join(name(mujoco.mjtObj.mjOBJ_GEOM, i) for i in (b, a)) for a, b in data.contact.geom]
+                limits = ["joint-" + name(mujoco.mjtObj.mjOBJ_JOINT, data.efc_id[i]) for i in np.flatnonzero(
                     data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT)]
                 self.assertEqual({each.rsplit("-", 1)[0] for each in step.contact_ids}, {*pairs, *limits})
         model, data, _ = simulated(cone="elliptic")
         with self.assertRaisesRegex(lcpbench.InputError, "elliptic"):
+            lcpbench.mujoco.capture(model, data, soft=True)
+        model, data, _ = simulated()
+        model.opt.noslip_iterations = 20
+        mujoco.mj_step(model, data)
+        with self.assertRaisesRegex(lcpbench.InputError, "noslip_iterations"):
             lcpbench.mujoco.capture(model, data, soft=True)
 
     def test_the_delassus_matrix_is_the_engines(self):

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse
 
 import lcpbench
-from lcpbench import ContactSolver, Problem, Recorder, Scenes, available_solvers, check, load, save, solve
+from lcpbench import ContactSolver, Problem, Recorder, Scenes, Step, available_solvers, check, load, save, solve
 
 PROGRAM = os.environ["LCPBENCH_PROGRAM"]
 BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"
@@ -145,7 +145,25 @@ class Judge(unittest.TestCase):
         impulses[2, 0] += 0.01
         found = check(self.problem, impulses)
         self.assertEqual(found.verdict, "wrong")
-        self.assertIn("contact 3", found.worst)
+        self.assertIn("contact 2 ", found.worst)
+        Step(self.problem, contact_ids=["a", "b", "foot on step", "d"])
+        self.assertIn("contact 2 (foot on step) ", check(self.problem, impulses).worst)
+
+    def test_sentences_name_what_violates_the_cone(self):
+        problem = Problem(G=np.eye(3), N=[[0], [0], [1.0]], tangents=[[1.0, 0], [0, 1], [0, 0]], mu=0.5, v=[2.0, 0, -1])
+        for model, friction, words in (
+                ("cone", [0.5, 0], "slides at 2.5 m/s, and its friction of 0.5 N s points 180 degrees away"),
+                ("cone", [0, 0.5], "slides at 2.06 m/s, and its friction of 0.5 N s points 104 degrees away"),
+                ("cone", [-0.1, 0], "slides at 1.9 m/s although friction could hold it: 0.4 N s are left"),
+                ("cone", [-0.8, 0], "has more friction than its cone allows, by 0.3 N s"),
+                ("convex", [-0.5, 0], "slides at 1.5 m/s and separates at 0 mm/s; the convex model asks it to separate "
+                                      "at 0.75 m/s"),
+                ("pyramid", [-0.1, 0], "slides at 1.9 m/s although friction could hold it: 0.4 N s are left")):
+            found = check(problem, [[1.0, *friction]], model=model)
+            self.assertEqual(found.verdict, "wrong")
+            self.assertIn("contact 0 " + words, found.worst)
+        self.assertIn("contact 0 has a sliding speed of 7 m/s in z, and slides at 1.9 m/s",
+                      check(problem, [1, 0, 0, 0.1, 0, 7.0]).worst)
 
     def test_cone_and_pyramid_are_two_models(self):
         # A block pushed along the diagonal slides: the pyramid of four edges allows mu there, the cone mu sqrt(2) of
@@ -161,9 +179,33 @@ class Judge(unittest.TestCase):
         self.assertEqual(solve(problem, error=1e-6).solver, "cone_ipm{cone=true}")
         self.assertEqual(solve(problem, error=1.0).solver, "auto")
 
+    def test_an_error_is_a_bound_or_no_claim(self):
+        hexagon = np.array([[math.cos(a), math.sin(a), 0] for a in math.pi / 3 * np.arange(3)]).T
+        problem = Problem(G=np.eye(3), N=[[0], [0], [1.0]], D=np.hstack([hexagon, -hexagon]), mu=0.5, v=[1, 0.5, -1.0])
+        with self.assertRaisesRegex(lcpbench.InputError, r"problem\[0\] has no round cone"):
+            solve(problem, error=1e-6)
+        same = Problem(G=np.eye(2), N=[[0], [1.0]], tangents=[[1.0, 1.0], [0, 0]], mu=0.5, v=[2.0, -1.0])
+        with self.assertRaisesRegex(lcpbench.InputError, "the same direction"):
+            check(same, [[1.0, -0.35, -0.35]], model="cone")
+        self.assertEqual(solve(same, "cone_ipm{cone=true}").claim, "unsupported")
+        missed = solve(self.problem, error=1e-300)
+        self.assertEqual(missed.claim, "numerical_failure")
+        self.assertIn("miss 1e-300 m/s", missed.detail)
+
     def test_a_velocity_beside_the_impulses_has_to_be_theirs(self):
         self.assertTrue(check(self.problem, self.answer.z, self.answer.velocity))
         self.assertEqual(check(self.problem, self.answer.z, self.answer.velocity + 1).verdict, "wrong")
+
+    def test_another_bound_may_be_asked_for(self):
+        problem = Problem(M=[[2, 1], [1, 3]], q=[4, 5])
+        dust = [2.5e-12, 1e-12]
+        self.assertTrue(check(problem, dust))
+        self.assertFalse(check(problem, dust, solved_at=1e-12))
+        self.assertTrue(check(problem, [1e-3, 0], solved_at=1e-2))
+        self.assertFalse(check(problem, [1e-3, 0]))
+        for bad in (0, -1, 2, float("nan"), "x"):
+            with self.assertRaises(lcpbench.InputError):
+                check(problem, dust, solved_at=bad)
 
     def test_a_verdict_is_the_same_whatever_was_read_before(self):
         other = solve(self.problem)
@@ -254,7 +296,7 @@ class Construction(unittest.TestCase):
         self.assertIn("<table>", problem._repr_html_() + answers[0]._repr_html_())
         svg = problem.figure(*answers)._repr_svg_()
         self.assertIn("contact_lemke: solved", svg)
-        self.assertEqual(svg.count("contact 4<"), 1)
+        self.assertEqual(svg.count("contact 3<"), 1)
         answers[1].z[:] = math.nan
         self.assertNotIn("nan", problem.figure(*answers).svg)
         other = Problem(G=np.eye(4), N=np.eye(4), v=-np.ones(4))

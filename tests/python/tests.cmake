@@ -3,4 +3,5 @@
 add_test(NAME python
          COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/python/run.sh ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_BINARY_DIR}/python
                  $<TARGET_FILE:lcpbench> ${CMAKE_CXX_COMPILER})
-set_tests_properties(python PROPERTIES LABELS "slow;release-only" SKIP_RETURN_CODE 77 COST 120)
+set_tests_properties(python PROPERTIES LABELS "slow;release-only" SKIP_RETURN_CODE 77 COST 120
+                                        TIMEOUT 900)  # without ccache it compiles for minutes

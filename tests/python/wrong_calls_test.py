@@ -69,6 +69,18 @@ def wrong_problems():
     yield problem("edges", D=scipy.sparse.csc_matrix((3, 3)))
     yield problem("D", D=scipy.sparse.csc_matrix((2, 4)))
     yield problem("N", N=scipy.sparse.csc_matrix((2, 1)))
+    good = scipy.sparse.csc_matrix(GOOD["N"])
+    for form, field, value in (("csc", "indices", [3]), ("csc", "indices", [-1]), ("csc", "indptr", [0, 2]),
+                               ("csc", "indptr", [1, 1]), ("csc", "indptr", [0]), ("csc", "indices", [2.0]),
+                               ("csr", "indptr", [0, 2, 0, 1]), ("csr", "indices", [1]), ("coo", "row", [3]),
+                               ("coo", "row", [-1]), ("coo", "col", [0, 0]), ("csc", "data", [1j])):
+        broken = good.asformat(form, copy=True)
+        setattr(broken, field, np.array(value))
+        for validate in (True, False):
+            yield problem("N", N=broken, validate=validate)
+            if value != [1j]:
+                yield problem("tangents", D=None, tangents=broken, validate=validate)
+                yield problem("G", G=broken, validate=validate)
     for edges in (3, [3], [-2], [4, 4], 2, 8, [2.5], "x", [None], True):
         yield problem("", edges=edges)
     for validate in (True, False):

@@ -15,7 +15,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::compare_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -56,7 +56,7 @@ void fill(SyntheticStore& made, const Contents& contents) {
   }
 }
 
-class CompareTest : public testing::Test {
+class CompareTest : public ::testing::Test {
  protected:
   void write(const Contents& a, const Contents& b) {
     SyntheticStore first(folder_ / "a.db");
@@ -338,4 +338,4 @@ TEST_F(CompareTest, ExitCodesAndJsonOfTheProgram) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::compare_test

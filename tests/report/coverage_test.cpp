@@ -12,7 +12,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::coverage_test {
 namespace {
 
 Study small_study(std::int64_t trials = 8) {
@@ -162,7 +162,7 @@ constexpr const char* kPlan =
     R"( {"set": "paper/monotone/exp2", "trials": 100}], "solvers": [{"solver": "lemke", "sweep": "", "cells": 1,)"
     R"( "on": [{"every": [1], "sets": [0, 1]}]}]})";
 
-class TruncatedStoreTest : public testing::Test {
+class TruncatedStoreTest : public ::testing::Test {
  protected:
   void fill(std::int64_t first_set, std::int64_t second_set, const std::string& plan = kPlan) {
     SyntheticStore made(folder_ / "s.db", plan);
@@ -300,4 +300,4 @@ TEST(TruncatedRunTest, NobodyCanMissItOnTheTerminal) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::coverage_test

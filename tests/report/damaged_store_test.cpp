@@ -9,7 +9,7 @@
 #include "study/report/report.h"
 #include "tests/study/filled_store.h"
 
-namespace lcpbench {
+namespace lcpbench::damaged_store_test {
 namespace {
 
 /// What a report says of a store, or why it refuses it.
@@ -43,7 +43,7 @@ class ReportOfADamagedStoreTest : public FilledStoreTest {
 TEST_F(ReportOfADamagedStoreTest, OneFlippedBitIsRefusedOrChangesNothing) {
   std::mt19937_64 random(36);
   int refused = 0;
-  constexpr int kFlips = 400;
+  constexpr int kFlips = 100;
   for (int i = 0; i < kFlips; ++i) {
     const std::uint64_t bit = random() % (8 * bytes_.size());
     std::string damaged = bytes_;
@@ -100,4 +100,4 @@ TEST_F(FilledStoreTest, ScanJudgesAsTheViewDoes) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::damaged_store_test

@@ -14,10 +14,10 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::hard_study_test {
 namespace {
 
-class HardStudyTest : public testing::Test {
+class HardStudyTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new ScratchFolder;
@@ -86,4 +86,4 @@ TEST_F(HardStudyTest, TheReportHasTheTableOfCases) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::hard_study_test

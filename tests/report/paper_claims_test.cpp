@@ -5,7 +5,7 @@
 #include "tests/support/solvability.h"
 #include "tests/report/paper_support.h"
 
-namespace lcpbench {
+namespace lcpbench::paper_claims_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -470,4 +470,4 @@ TEST(ClaimsTest, RecordsHoldTheEvidence) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::paper_claims_test

@@ -17,7 +17,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::paper_tables_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -305,7 +305,7 @@ TEST(ReadingsTest, FewTrialsAndRefusalsReproduceNothing) {
 // --- a store of a real run ---
 
 /// Every set that the tables distinguish, few problems, all native solvers that have a grid.
-class PaperStoreTest : public testing::Test {
+class PaperStoreTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new ScratchFolder;
@@ -394,4 +394,4 @@ TEST(PaperReportTest, StoresWithoutSweepsHaveNoPaperPart) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::paper_tables_test

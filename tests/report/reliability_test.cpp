@@ -12,7 +12,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::reliability_test {
 namespace {
 
 using report::CellStatistics;
@@ -101,7 +101,7 @@ TEST(ReliabilityTest, TheErrorDecidesWhoSolved) {
   EXPECT_EQ(choose(statistics, {0}, {0, 1}, 3).contenders[0].solver, 1U);
 }
 
-class EndorsementTest : public testing::Test {
+class EndorsementTest : public ::testing::Test {
  protected:
   EndorsementTest() : made_(folder_ / "s.db") {}
 
@@ -173,6 +173,42 @@ TEST_F(EndorsementTest, EighteenPercentUnsolvedIsNotReliableEvenBesideNoBetter) 
   EXPECT_TRUE(
       withheld().starts_with("no solver is shown to be reliable here; the best by share solved, best, solved 84"))
       << withheld();
+}
+
+/// 96 of 100 with four false claims has the higher lower end, and is proven bad; of 30 of 30 nothing is proven.
+TEST_F(EndorsementTest, WhoIsProvenBadLeadsNothing) {
+  const auto liar = made_.solver("liar");
+  const auto newcomer = made_.solver("newcomer");
+  answers(0, 30, {{liar, {}}, {newcomer, {}}});
+  answers(30, 96, {{liar, {}}});
+  answers(96, 100, {{liar, kLies}});
+  read();
+  EXPECT_EQ(contender("liar").ground, Ground::kFalseClaims);
+  EXPECT_GT(contender("liar").solved.interval().low, contender("newcomer").solved.interval().low);
+  report::fill_tables(made_.store(), report_);
+  const auto leaders = report::records_of(report::run_query(
+      made_.store().database(), "leaders", "SELECT part, solver FROM terminal_answer WHERE detail = 0"));
+  ASSERT_EQ(leaders.size(), 1U);
+  EXPECT_EQ(leaders[0]["part"], "(leads)");
+  EXPECT_EQ(leaders[0]["solver"], "newcomer");
+  EXPECT_NE(withheld().find("the best by share solved, newcomer, solved"), std::string::npos) << withheld();
+}
+
+/// Mine first, as the user wrote them, and by the name that he gave; the one to use behind them.
+TEST_F(EndorsementTest, TheTerminalsAnswerBeginsWithTheNamedSolvers) {
+  const auto best = made_.solver("best");
+  const auto mine = made_.solver("external", "command=./mine.py,name=mine");
+  const auto slow = made_.solver("slow");
+  const auto other = made_.solver("other");
+  answers(0, 40, {{best, {.time_s = 1e-5}}, {mine, kLies}, {slow, {.time_s = 1}}, {other, {}}});
+  read();
+  report::fill_tables(made_.store(), report_, {"external{command=./mine.py,name=mine}", "slow"});
+  std::string rows;
+  for (const auto& row : report::records_of(report::run_query(
+           made_.store().database(), "named", "SELECT contacts, solver FROM terminal_answer WHERE detail = 0"))) {
+    rows += row["contacts"].get<std::string>() + ":" + row["solver"].get<std::string>() + " ";
+  }
+  EXPECT_EQ(rows, "Frictionless:mine :slow :best ");
 }
 
 TEST_F(EndorsementTest, WhoSolvesSignificantlyFewerThanTheBestIsNotReliable) {
@@ -365,4 +401,4 @@ TEST_F(EndorsementTest, TheRuleStandsInTheSummaryWithItsNumbers) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::reliability_test

@@ -10,7 +10,7 @@
 #include "study/output/csv.h"
 #include "study/report/text.h"
 
-namespace lcpbench {
+namespace lcpbench::report_text_test {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -62,4 +62,4 @@ TEST(TextTest, NumbersHaveUnitsAndNeverRoundToCertainty) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::report_text_test

@@ -1,3 +1,4 @@
+#include <map>
 #include <regex>
 
 #include <gtest/gtest.h>
@@ -9,10 +10,10 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::scenes_report_test {
 namespace {
 
-class ScenesReportTest : public testing::Test {
+class ScenesReportTest : public ::testing::Test {
  protected:
   ScenesReportTest() : made_(folder_ / "s.db"), good_(made_.solver("good")), liar_(made_.solver("liar")) {}
 
@@ -58,6 +59,18 @@ TEST_F(ScenesReportTest, AStoreWithoutScenesHasTheRowsOfRandomProblemsAlone) {
   EXPECT_EQ(report::read_report(made_.store()).situations.size(), 3U);
 }
 
+TEST_F(ScenesReportTest, IllConditionedSetsWithAndWithoutFrictionHaveARowEach) {
+  add("paper/copositive/exp5-1e8", "contact", 40);
+  for (int trial = 0; trial < 40; ++trial) made_.problem("paper/monotone/exp5-1e8", trial, {{good_, {}}});
+  std::map<std::string, std::string> sets;
+  const report::Report report = report::read_report(made_.store());
+  for (const report::Situation& each : report.situations) {
+    for (const std::size_t set : each.sets) sets[each.title] += report.summary.sets[set].name;
+  }
+  EXPECT_EQ(sets, (std::map<std::string, std::string>{{"Ill-conditioned, frictional", "paper/copositive/exp5-1e8"},
+                                                      {"Ill-conditioned, frictionless", "paper/monotone/exp5-1e8"}}));
+}
+
 /// A step that is not proven solvable, as where an offset is negative, must not push its set out of the table.
 TEST_F(ScenesReportTest, SetsThatAreNotAllProvenSolvableCount) {
   add("scene/stack/ode", "scene", 40);
@@ -85,4 +98,4 @@ TEST(SetsTest, ConditionNumbersAreReadFromNamesAndNowhereElse) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::scenes_report_test

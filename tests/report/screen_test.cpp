@@ -15,7 +15,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::screen_test {
 namespace {
 
 constexpr const char* kSwept = "'psor{max_iterations=1}'";
@@ -43,7 +43,7 @@ Matrix bodies(Index count) {
   return G;
 }
 
-class ScreenTest : public testing::Test {
+class ScreenTest : public ::testing::Test {
  protected:
   ScreenTest() { setenv("COLUMNS", "1000", 1); }
   void TearDown() override { unsetenv("COLUMNS"); }
@@ -194,4 +194,4 @@ TEST_F(ScreenTest, OfASoftEngineTheScreenSaysThatItSolvesAnotherProblem) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::screen_test

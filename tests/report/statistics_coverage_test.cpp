@@ -12,7 +12,7 @@
 #include "study/statistics/statistics.h"
 #include "tests/support/bounded_draw.h"
 
-namespace lcpbench {
+namespace lcpbench::statistics_coverage_test {
 namespace {
 
 /// Chance that Wilson's interval from n trials covers the share p: exact, by the binomial distribution.
@@ -121,4 +121,4 @@ TEST(CoverageTest, GeometricMeanHoldsTheTruthOfSkewedTimes) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::statistics_coverage_test

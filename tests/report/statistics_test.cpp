@@ -10,7 +10,7 @@
 
 #include "tests/support/bounded_draw.h"
 
-namespace lcpbench {
+namespace lcpbench::statistics_test {
 namespace {
 
 /// The intervals that Newcombe (Statistics in Medicine 17, 1998, table I, method 3) prints to four digits.
@@ -186,6 +186,14 @@ TEST(StatisticsTest, BootstrapsOfASingleValueHaveNoInterval) {
   }
 }
 
+/// From the least to the largest of n values is an interval of 1 - 2^(1 - n).
+TEST(StatisticsTest, MediansOfFewerThanSixValuesHaveNoInterval) {
+  std::vector<double> values{1, 2, 3};
+  for (; values.size() < 6; values.push_back(4)) EXPECT_TRUE(std::isnan(median_estimate(values).low)) << values.size();
+  EXPECT_EQ(median_estimate(values).low, 1);
+  EXPECT_EQ(median_estimate(values).high, 4);
+}
+
 TEST(StatisticsTest, BootstrapsRepeatToTheLastBit) {
   const std::vector<double> values{3, 1, 4, 1, 5, 9, 2, 6};
   EXPECT_EQ(median_estimate(values).low, median_estimate(values).low);
@@ -270,4 +278,4 @@ TEST(LogSumsTest, GeometricMeanAndItsInterval) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::statistics_test

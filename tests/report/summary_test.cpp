@@ -12,7 +12,7 @@
 #include "study/report/report.h"
 #include "tests/study/filled_store.h"
 
-namespace lcpbench {
+namespace lcpbench::summary_test {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -114,22 +114,23 @@ TEST(SummaryTest, NearlySolvableContactsAreCountedApart) {
   EXPECT_EQ(cells[0]["nearly_unsolvable"], 1);
   EXPECT_EQ(cells[0]["rate"], 1.0);  // its right denial is left out
   EXPECT_EQ(cells[1]["nearly_solved"], 1);
-  EXPECT_EQ(cells[1]["false_unsolvable"], 1);
+  EXPECT_EQ(cells[1]["false_unsolvable"], 0);  // an answer within the tolerance proves no solution
+  EXPECT_EQ(cells[1]["open"], 1);
   EXPECT_EQ(cells[1]["rate"], 0.5);
   EXPECT_EQ(cells[2]["missed"], 2);
   EXPECT_EQ(cells[2]["rate"], 0.0);
 }
 
-/// A solver that claims to have solved a bare LCP that another proved unsolvable makes a false claim, small residual or
-/// not.
+/// A solver that claims to have solved what another proved unsolvable makes a false claim, unless its answer passes.
 TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto honest = made.solver("a_honest");
   const auto liar = made.solver("b_liar");
   made.problem(kSet, 0,
-               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}}, {liar, {}}}, 0,
-               "", "lcp");
+               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}},
+                {liar, {.error = 1e-2}}},
+               0, "", "lcp");
   const Summary summary = summarize(made.store());
   EXPECT_EQ(summary.cells[0].false_claims(), 0);
   EXPECT_EQ(summary.cells[0].gave_up(), 0);
@@ -472,4 +473,4 @@ TEST(SummaryTest, NaturalOrderReadsNumbers) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::summary_test

@@ -1,30 +1,13 @@
-lcpbench_test(statistics LINK lcpbench_statistics)
-lcpbench_test(statistics_coverage LINK lcpbench_statistics)
-set_tests_properties(statistics_coverage PROPERTIES LABELS release-only)  # a simulation of what `statistics` tests
-lcpbench_test(compare LINK lcpbench_report)
-target_compile_definitions(compare_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(compare_test lcpbench)
-lcpbench_test(summary LINK lcpbench_report)
-lcpbench_test(damaged_store LINK lcpbench_report)
-lcpbench_test(report LINK lcpbench_report)
-lcpbench_test(report_text LINK lcpbench_report)
-lcpbench_test(scenes_report LINK lcpbench_report)
-lcpbench_test(paper_claims LINK lcpbench_report)
-lcpbench_test(hard_report LINK lcpbench_report)
-lcpbench_test(reliability LINK lcpbench_report)
-lcpbench_test(coverage LINK lcpbench_runner lcpbench_report lcpbench_study lcpbench_solver_list)
-target_compile_definitions(coverage_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(coverage_test lcpbench)
-lcpbench_test(screen LINK lcpbench_inspect lcpbench_study lcpbench_core)
-target_compile_definitions(screen_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(screen_test lcpbench)
-lcpbench_test(hard_study SLOW LINK lcpbench_study)
-target_compile_definitions(hard_study_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
-                                                   HARD_PLAN="${PROJECT_SOURCE_DIR}/study/run/plans/hard.json")
-add_dependencies(hard_study_test lcpbench)
-lcpbench_test(paper_tables LINK lcpbench_report)
-target_compile_definitions(paper_tables_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(paper_tables_test lcpbench)
+lcpbench_room(report
+  LINK lcpbench_inspect lcpbench_runner lcpbench_report lcpbench_statistics lcpbench_study lcpbench_solver_list
+  NEEDS lcpbench
+  DEFINE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" HARD_PLAN="${PROJECT_SOURCE_DIR}/study/run/plans/hard.json")
+foreach(test statistics compare summary damaged_store report report_text scenes_report paper_claims hard_report reliability
+        coverage screen paper_tables)
+  lcpbench_test(${test})
+endforeach()
+lcpbench_test(statistics_coverage RELEASE_ONLY)  # a simulation of what `statistics` tests
+lcpbench_test(hard_study SLOW)
 
 # The program of docs/howto/report.md, run on a report made for it.
 add_test(NAME tables_page

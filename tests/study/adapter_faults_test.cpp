@@ -16,7 +16,7 @@
 #include "study/run/runner.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::adapter_faults_test {
 namespace {
 
 struct Fault {
@@ -145,4 +145,4 @@ TEST(AdapterFaultsTest, EveryOtherRowIsUntouched) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_faults_test

@@ -291,6 +291,6 @@ if __name__ == "__main__":
     kind, program = sys.argv[1:]
     with tempfile.TemporaryDirectory(prefix="lcpbench-") as scratch:
         if kind == "parallel":
-            test_parallel(Folder(pathlib.Path(scratch), program, 8))
+            test_parallel(Folder(pathlib.Path(scratch), program, 4))
         else:
-            test_slurm(Folder(pathlib.Path(scratch), program, 80))
+            test_slurm(Folder(pathlib.Path(scratch), program, 30))

@@ -11,7 +11,7 @@
 #include "study/run/runner.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::definite_test {
 namespace {
 
 constexpr std::int64_t kProblems = 50;
@@ -83,4 +83,4 @@ TEST(DefiniteTest, EnginesAreRightOnEasyScenes) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::definite_test

@@ -1,4 +1,4 @@
-// The interface that users' scripts rely on: the fields of every JSON document.
+// The interface that users' scripts rely on: the fields of every JSON document, and the bound of the verdict.
 
 #include <algorithm>
 #include <fstream>
@@ -12,12 +12,12 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::documents_test {
 namespace {
 
 using nlohmann::json;
 
-class CommandLineTest : public testing::Test {
+class DocumentsTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   json run_json(const std::string& arguments) {
@@ -51,7 +51,7 @@ void write_oblique_point(const std::string& file) {
 }
 
 /// A point of mass 2 that slides between two of its four edges.
-TEST_F(CommandLineTest, ModelsJson) {
+TEST_F(DocumentsTest, ModelsJson) {
   write_oblique_point(folder_ / "oblique.json");
   const json documents = run_json("models oblique.json");
   ASSERT_EQ(documents.size(), 1U);
@@ -75,7 +75,7 @@ TEST_F(CommandLineTest, ModelsJson) {
   EXPECT_EQ(run("models oblique.json").exit_code, 0);
 }
 
-TEST_F(CommandLineTest, SolveHasTheModelsErrorAndTheSolversInTwoColumns) {
+TEST_F(DocumentsTest, SolveHasTheModelsErrorAndTheSolversInTwoColumns) {
   write_oblique_point(folder_ / "oblique.json");
   const json models = run_json("models oblique.json")[0]["models"];
   const json rows = run_json("solve oblique.json --solver lemke --solver 'cone_ipm{cone=true}'");
@@ -98,7 +98,7 @@ TEST_F(CommandLineTest, SolveHasTheModelsErrorAndTheSolversInTwoColumns) {
   EXPECT_EQ(run("solve m/000000.json --solver lemke --wide").out.find("model's"), std::string::npos);
 }
 
-TEST_F(CommandLineTest, SolveWithAVelocityErrorJson) {
+TEST_F(DocumentsTest, SolveWithAVelocityErrorJson) {
   write_oblique_point(folder_ / "oblique.json");
   const json rows = run_json("solve oblique.json --max-velocity-error 1e-3");
   ASSERT_EQ(rows.size(), 1U);
@@ -114,7 +114,7 @@ TEST_F(CommandLineTest, SolveWithAVelocityErrorJson) {
   EXPECT_FALSE(json::parse(missed.out)[0]["met"].get<bool>());
 }
 
-TEST_F(CommandLineTest, SolversJson) {
+TEST_F(DocumentsTest, SolversJson) {
   const json solvers = run_json("solvers");
   std::vector<std::string> names;
   for (const json& solver : solvers) {
@@ -145,7 +145,7 @@ TEST_F(CommandLineTest, SolversJson) {
   }
 }
 
-TEST_F(CommandLineTest, SetsJson) {
+TEST_F(DocumentsTest, SetsJson) {
   const json sets = run_json("sets 'paper/*/exp1'");
   ASSERT_EQ(sets.size(), 2U);
   for (const json& set : sets) {
@@ -153,7 +153,7 @@ TEST_F(CommandLineTest, SetsJson) {
   }
 }
 
-TEST_F(CommandLineTest, SolveJson) {
+TEST_F(DocumentsTest, SolveJson) {
   ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 1 --out m").exit_code, 0);
   std::ofstream(folder_ / "lcp.json")
       << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp", "M": [[2, 1], [1, 2]], "q": [-5, -6]})";
@@ -208,7 +208,7 @@ TEST_F(CommandLineTest, SolveJson) {
   EXPECT_EQ(rows[0]["velocity"].size(), rows[0]["problem"]["ngc"].get<std::size_t>());
 }
 
-TEST_F(CommandLineTest, BenchJson) {
+TEST_F(DocumentsTest, BenchJson) {
   const json bench = run_json("bench --set paper/monotone/exp1 --solver lemke --problems 5");
   expect_fields(bench, {{"provenance", "o"}, {"reference", "s"}, {"isa", "s"}, {"cells", "a"}});
   EXPECT_EQ(bench["reference"], "lemke{engine=dense}");
@@ -231,7 +231,7 @@ TEST_F(CommandLineTest, BenchJson) {
   EXPECT_LE(cell["speedup_low"].get<double>(), cell["speedup_mean"].get<double>());
 }
 
-TEST_F(CommandLineTest, BenchTimesOnlyWhatBothSolved) {
+TEST_F(DocumentsTest, BenchTimesOnlyWhatBothSolved) {
   const json bench = run_json("bench --set paper/monotone/exp1 --solver 'lemke{max_pivots=1}' --problems 12");
   const json& cell = bench["cells"][0];
   EXPECT_EQ(cell["problems"], 12);
@@ -241,7 +241,7 @@ TEST_F(CommandLineTest, BenchTimesOnlyWhatBothSolved) {
 constexpr const char* kStudy =
     "run --set paper/monotone/exp1 --set paper/monotone/exp2 --solver lemke --solver primal_dual --trials 12 --seed 3 ";
 
-TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
+TEST_F(DocumentsTest, ProvenanceSaysWhereResultsComeFrom) {
   ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
   Store store = Store::open_for_reading(folder_ / "a.db");
   const json provenance = json::parse(store.runs().at(0));
@@ -271,5 +271,37 @@ TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
   EXPECT_NE(provenance["command"].get<std::string>().find("--trials 12"), std::string::npos);
 }
 
+// psor leaves some 1e-11 here.
+TEST_F(DocumentsTest, AnotherBoundOfTheVerdictCanBeAskedFor) {
+  std::ofstream(folder_ / "two.json") << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp",)"
+                                      << R"("M": [[2, 1], [1, 3]], "q": [-4, -5]})";
+  EXPECT_EQ(run_json("solve two.json --solver psor")[0]["verdict"], "solved");
+  const json strict = run_json("solve two.json --solver psor --solved-at 1e-14");
+  EXPECT_EQ(strict[0]["verdict"], "wrong");
+  EXPECT_NE(strict[0]["why"].get<std::string>().find("the limit is 1e-14"), std::string::npos) << strict[0]["why"];
+  EXPECT_EQ(run("solve two.json --solved-at 0").exit_code, 2);
+  EXPECT_EQ(run("solve two.json --solved-at nan").exit_code, 2);
+
+  const std::string study = "run --set file:two.json --solver psor --store ";
+  ASSERT_EQ(run(study + "strict.db --solved-at 1e-14").exit_code, 0);
+  ASSERT_EQ(run(study + "usual.db").exit_code, 0);
+  const auto verdict = [&](const std::string& store) {
+    return sqlite::Database(folder_ / store, sqlite::Mode::kReadOnly).texts("SELECT verdict FROM judged");
+  };
+  EXPECT_EQ(verdict("strict.db"), std::vector<std::string>{"wrong"});
+  EXPECT_EQ(verdict("usual.db"), std::vector<std::string>{"solved"});
+  EXPECT_EQ(run(study + "strict.db --solved-at 1e-14").exit_code, 0);
+  const ProgramRun other = run(study + "strict.db");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_EQ(other.err, "lcpbench: strict.db: judged by --solved-at 1e-14 so far, not by the default bound: use another "
+                       "store (--fresh replaces it)\n");
+  EXPECT_EQ(run(study + "usual.db --solved-at 1e-14").exit_code, 2);
+  for (const char* how : {"", " --mixed"}) {
+    const ProgramRun merge = run(std::string("merge both.db strict.db usual.db") + how);
+    EXPECT_EQ(merge.exit_code, 2);
+    EXPECT_NE(merge.err.find("plan/solved_at"), std::string::npos) << merge.err;
+  }
+}
+
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::documents_test

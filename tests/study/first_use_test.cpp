@@ -17,7 +17,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::first_use_test {
 namespace {
 
 constexpr const char* kBall =
@@ -26,7 +26,7 @@ constexpr const char* kBall =
     R"("linear_velocity": [0.3, 0, -1], "angular_velocity": [0, 0, 0]}], "contacts": [{"body_a": 0, "body_b": -1,)"
     R"("point": [0, 0, 0], "normal": [0, 0, 1], "tangent": [1, 0, 0], "mu": 0.5, "edges": 4}]})";
 
-class FirstUseTest : public testing::Test {
+class FirstUseTest : public ::testing::Test {
  protected:
   FirstUseTest() { std::ofstream(folder_ / "ball.json") << kBall; }
   void SetUp() override { setenv("COLUMNS", "80", 1); }
@@ -97,6 +97,20 @@ TEST_F(FirstUseTest, TheReasonOfAFailingProgramStandsOnANarrowScreen) {
   EXPECT_TRUE(has(honest.out, "missed")) << honest.out;
 }
 
+/// Mine first, by its name; the sentences are those of the solvers that were named.
+TEST_F(FirstUseTest, NamedSolversStandInTheirOrderAndTheSentencesAreTheirs) {
+  write_program("fails.sh", 3, "my matrix is singular");
+  const std::string mine = "'external{command=./fails.sh,name=mine}'";
+  const ProgramRun text = run("solve ball.json --solver " + mine + " --solver lemke");
+  const std::size_t first = text.out.find("\nmine ");
+  ASSERT_NE(first, std::string::npos) << text.out;
+  EXPECT_LT(first, text.out.find("\nlemke ")) << text.out;
+  EXPECT_TRUE(has(text.out, "mine ended with crashed")) << text.out;
+  const ProgramRun all = run("solve ball.json");
+  EXPECT_FALSE(has(all.out, " refused the problem")) << all.out;
+  EXPECT_FALSE(has(all.out, " ended with ")) << all.out;
+}
+
 double seconds_of(const std::string& number, const std::string& unit) {
   const std::map<std::string, double> units{{"ns", 1e-9}, {"µs", 1e-6}, {"ms", 1e-3}, {"s", 1}};
   return std::stod(number) * units.at(unit);
@@ -144,4 +158,4 @@ TEST_F(FirstUseTest, CertifySaysWhatItLeftOut) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::first_use_test

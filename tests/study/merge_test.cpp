@@ -10,7 +10,7 @@
 
 #include "tests/study/filled_store.h"
 
-namespace lcpbench {
+namespace lcpbench::merge_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST(MergeTest, AnswerWithoutATimeStaysWithoutOne) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::merge_test

@@ -11,7 +11,7 @@
 #include "study/models/pyramid.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::models_test {
 namespace {
 
 using testing::vector_of;
@@ -223,4 +223,4 @@ TEST(ModelsTest, CapturedStepsMeetAMillimetreASecond) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::models_test

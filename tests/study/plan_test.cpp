@@ -14,7 +14,7 @@
 #include "study/run/study.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::plan_test {
 namespace {
 
 std::string plan_text(const std::string& fields) {
@@ -31,7 +31,7 @@ struct Bad {
 
 void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.complaint; }
 
-class BadPlanTest : public testing::TestWithParam<Bad> {};
+class BadPlanTest : public ::testing::TestWithParam<Bad> {};
 
 TEST_P(BadPlanTest, IsRefusedInOneLineThatNamesThePlace) {
   try {
@@ -46,7 +46,7 @@ TEST_P(BadPlanTest, IsRefusedInOneLineThatNamesThePlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     Plans, BadPlanTest,
-    testing::Values(
+    ::testing::Values(
         Bad{"", "empty file"}, Bad{"[]", "expected an object, found a list"},
         Bad{"{\n", "truncated: the file ends at line 2, column 1"}, Bad{"{}", "format: missing"},
         Bad{R"({"format": "x"})", "format: expected 'lcpbench-plan'"},
@@ -335,4 +335,4 @@ TEST(ResolveTest, ASweepIsAnotherSolverThanTheSameOneAlone) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::plan_test

@@ -17,7 +17,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::regression_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -109,4 +109,4 @@ TEST(RegressionTest, CountsOfAFixedStudyAreThoseOnRecord) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::regression_test

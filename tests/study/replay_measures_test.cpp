@@ -16,7 +16,7 @@
 #include "study/replay/claims.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::replay_measures_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -84,6 +84,7 @@ TEST(FieldClaims, AVerdictNeedsEveryRepetition) {
   const double lost = std::numeric_limits<double>::infinity();
   EXPECT_EQ(holds(better, {"s", {{0.01, 0.02}, {0.03, lost}}}), Holds::kYes);
   EXPECT_EQ(holds(better, {"s", {{0.01, 0.02}, {0.03, 0.001}}}), Holds::kSometimes);
+  EXPECT_EQ(holds(better, {"s", {{0.059, 0.057}, {0.054, 0.056}}}), Holds::kNo);  // no difference in the second
   EXPECT_EQ(holds(better, {"s", {{lost, lost}, {0.03, 0.001}}}), Holds::kNo);
   EXPECT_EQ(holds(better, {"s", {{lost, 1e-9}, {lost, 9e-5}}}), Holds::kSame);
   EXPECT_EQ(holds(better, {"s", {{0.0100}, {0.0103}}}), Holds::kSame);
@@ -149,4 +150,4 @@ TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::replay_measures_test

@@ -22,7 +22,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::replay_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -497,4 +497,4 @@ TEST_F(ReplayCommand, MistakesOfUseAreOneLineEach) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::replay_test

@@ -19,7 +19,7 @@
 #include "core/io/problem_io.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::runner_faults_test {
 namespace {
 
 Study small_study() {
@@ -233,4 +233,4 @@ TEST(RunnerTest, FaultsOfAWorkerLeaveRowsAndARunningStudy) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::runner_faults_test

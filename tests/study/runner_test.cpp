@@ -22,7 +22,7 @@
 #include "study/store/merge.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::runner_test {
 namespace {
 
 Study small_study() {
@@ -395,4 +395,4 @@ TEST(RunnerTest, VerdictsFollowFromTheStoreWithoutSolvingAgain) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::runner_test

@@ -19,7 +19,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::shrink_test {
 namespace {
 
 using nlohmann::json;
@@ -104,6 +104,18 @@ TEST(Shrink, FindsOneContactAndRoundNumbersInEveryKindOfInertia) {
     EXPECT_LE(size.digits, 8) << kind << problem_json(shrunk.problem);
     EXPECT_EQ(problem_hash(read_again(shrunk.problem)), problem_hash(shrunk.problem)) << kind;
     EXPECT_EQ(problem_json(shrink(problem, pushes, {}).problem), problem_json(shrunk.problem)) << kind;
+  }
+}
+
+/// What `inspect` doubts is no smaller case: a contact that pushes nothing, or friction that does nothing.
+TEST(Shrink, NoContactLosesItsNormalOrItsFriction) {
+  const auto has_contact = [](const Problem& problem) { return problem.contact()->nc() >= 1; };
+  const auto has_friction = [](const Problem& problem) { return problem.contact()->frictional(); };
+  for (const auto& fails : {std::function<bool(const Problem&)>(has_contact), std::function(has_friction)}) {
+    const Problem problem = shrink(problem_of_set("paper/copositive/exp1"), fails, {}).problem;
+    const Matrix N = to_dense(problem.contact()->N), D = to_dense(problem.contact()->D);
+    EXPECT_GT(N.colwise().lpNorm<1>().minCoeff(), 0) << problem_json(problem);
+    if (D.cols() > 0) EXPECT_GT(D.colwise().lpNorm<1>().minCoeff(), 0) << problem_json(problem);
   }
 }
 
@@ -310,4 +322,4 @@ TEST_F(ShrinkCommand, AnInterruptKeepsTheSmallestUntilThen) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::shrink_test

@@ -17,7 +17,7 @@
 #include "study/store/merge.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::start_last_test {
 namespace {
 
 constexpr int kSteps = 12;
@@ -177,4 +177,4 @@ TEST_F(StartLastTest, SetsWithoutConsecutiveStepsAreRefused) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::start_last_test

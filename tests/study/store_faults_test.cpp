@@ -25,7 +25,7 @@
 #include "study/store/merge.h"
 #include "tests/study/filled_store.h"
 
-namespace lcpbench {
+namespace lcpbench::store_faults_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -476,4 +476,4 @@ TEST_F(StoreFaultsTest, CommentsAndLineBreaksOfTheSchemaDoNotMatter) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::store_faults_test

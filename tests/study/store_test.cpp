@@ -17,7 +17,7 @@
 #include "study/store/vector_codec.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::store_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -316,9 +316,9 @@ TEST(StoreTest, EveryCellOfASweepHasItsAnswer) {
                          "FROM judged_cells ORDER BY cell");
   std::vector<std::string> cells;
   while (rows.step()) cells.emplace_back(rows.text(0));
-  // One cell's solution shows that the problem has one, so that the other cell missed it.
+  // One cell's answer, which passes, does not prove that the other one's claim is false.
   EXPECT_EQ(cells,
-            (std::vector<std::string>{"0 0 a=1 solved solved", "1 1 a=2 unsolvable missed", "2 0 a=3 solved solved"}));
+            (std::vector<std::string>{"0 0 a=1 solved solved", "1 1 a=2 unsolvable open", "2 0 a=3 solved solved"}));
 }
 
 /// Two ways to group the cells on one problem must not both be there: a cell would have two answers.
@@ -355,15 +355,16 @@ TEST(StoreTest, SweepOverAnotherGridIsRefused) {
 /// The verdicts of format 3 knew nothing of islands, and had one for answers that pass the paper's criterion alone.
 /// Format 4 had no checksums. Format 5 judged answers to the round cone by the pyramid. Format 6 had no model's error.
 /// Format 7 judged no velocities. Format 8 searched the friction model of a solver in the text of its settings. Format
-/// 9 called some velocities false for what a system in G leaves by rounding.
+/// 9 called some velocities false for what a system in G leaves by rounding. Format 10 took an answer within the
+/// tolerance for a proof of a solution.
 TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
   const ScratchFolder folder;
   fill(folder / "s.db", Vector::Ones(2));
-  for (const int format : {1, 2, 3, 4, 5, 6, 7, 8, 9}) {
+  for (const int format : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}) {
     sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate)
         .execute(fmt::format("PRAGMA user_version = {}", format));
     const std::string expected = fmt::format(
-        "{}: store format {}, this lcpbench reads format 10 alone: verdicts have other columns or mean something else "
+        "{}: store format {}, this lcpbench reads format 11 alone: verdicts have other columns or mean something else "
         "there; use another store (`run --fresh` replaces it)",
         (folder / "s.db").string(), format);
     EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected);
@@ -456,4 +457,4 @@ TEST(StoreTest, IdsDependOnEveryPartOfTheKey) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::store_test

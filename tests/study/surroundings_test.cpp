@@ -2,6 +2,7 @@
 // without a word, half-made files.
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
@@ -12,16 +13,18 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/io/whole_file.h"
 #include "study/run/interrupt.h"
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::surroundings_test {
 namespace {
 
-class SurroundingsTest : public testing::Test {
+class SurroundingsTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   /// Runs a script in the folder; the program's outputs go to its files `out` and `err`.
@@ -106,7 +109,7 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatLooksAtNoFlag) {
     raise(SIGTERM);
     for (;;) usleep(100'000);
   };
-  EXPECT_EXIT(read_for_ever(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
+  EXPECT_EXIT(read_for_ever(), ::testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
   const auto finish_first = [] {
     const volatile std::sig_atomic_t* stop = catch_interrupts(3);
     { const AbandonedAfterInterrupt abandoned; }
@@ -114,7 +117,55 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatLooksAtNoFlag) {
     for (int i = 0; i < 25; ++i) usleep(100'000);
     std::_Exit(*stop != 0 ? 7 : 8);
   };
-  EXPECT_EXIT(finish_first(), testing::ExitedWithCode(7), "the command keeps what is done and ends");
+  EXPECT_EXIT(finish_first(), ::testing::ExitedWithCode(7), "the command keeps what is done and ends");
+}
+
+/// Nobody reads: neither the output nor the file ever takes what is written.
+TEST_F(SurroundingsTest, AnInterruptEndsWhatWaitsForAReader) {
+  const auto print = [] {
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0 || dup2(ends[1], STDOUT_FILENO) < 0) std::_Exit(9);
+    catch_interrupts(3);
+    raise(SIGTERM);
+    for (const std::string text(1 << 16, '.');;) {
+      if (write(STDOUT_FILENO, text.data(), text.size()) < 0) std::_Exit(9);
+    }
+  };
+  EXPECT_EXIT(print(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
+  ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  const auto write_page = [&] {
+    catch_interrupts(3);
+    raise(SIGTERM);
+    write_file(folder_ / "fifo", "page");
+    std::_Exit(9);
+  };
+  EXPECT_EXIT(write_page(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
+}
+
+#ifndef __SANITIZE_ADDRESS__
+/// RELRO with all functions bound at the start: no table of addresses can be written over.
+TEST_F(SurroundingsTest, TheProgramBindsItsFunctionsAtTheStart) {
+  const std::string dynamic = shell("readelf -ld '" LCPBENCH_PROGRAM "' >out 2>err").out;
+  EXPECT_NE(dynamic.find("GNU_RELRO"), std::string::npos) << dynamic;
+  EXPECT_NE(dynamic.find("BIND_NOW"), std::string::npos) << dynamic;
+}
+#endif
+
+TEST_F(SurroundingsTest, WhatIsMissingAroundTheProgramIsNamed) {
+  EXPECT_NE(
+      shell("TMPDIR=/nowhere '" LCPBENCH_PROGRAM "' validate >out 2>err").err.find("TMPDIR '/nowhere' is no folder"),
+      std::string::npos);
+  ASSERT_EQ(run("run --set planted/definite --solver lemke --trials 1 --store s.db").exit_code, 0);
+  const ProgramRun merged = run("merge s.db ./s.db");
+  EXPECT_EQ(merged.exit_code, 2);
+  EXPECT_EQ(merged.err, "lcpbench: s.db: a store is not merged with itself; name it once\n");
+  // Root has no such limit: the words are those of any failed start of a thread.
+  const ProgramRun crowded =
+      shell("chmod 777 .; setpriv --reuid 54321 --clear-groups bash -c \"ulimit -u 1; exec '" LCPBENCH_PROGRAM
+            "' run --set planted/definite --solver lemke --trials 1 --jobs 2 --store u.db\" >out 2>err");
+  if (geteuid() != 0 || crowded.err.find("setpriv") != std::string::npos) GTEST_SKIP() << "needs root and setpriv";
+  EXPECT_EQ(crowded.exit_code, 2);
+  EXPECT_NE(crowded.err.find("(ulimit -u)\n"), std::string::npos) << crowded.err;
 }
 
 TEST_F(SurroundingsTest, InterruptedGeneratingLeavesWholeFilesAlone) {
@@ -175,4 +226,4 @@ TEST_F(SurroundingsTest, AFileThatOutgrowsItsLimitIsAnErrorWithWords) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::surroundings_test

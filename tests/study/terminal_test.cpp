@@ -19,7 +19,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::terminal_test {
 namespace {
 
 using Align = TextTable::Align;
@@ -136,13 +136,13 @@ TEST(FittingTextTest, TakesTheMostRowsThatLeaveRoom) {
 }
 
 /// A solver for each part: reliable and fast, reliable and more accurate, two libraries that are often wrong.
-class AnswerTest : public testing::Test {
+class AnswerTest : public ::testing::Test {
  protected:
   AnswerTest() : made_(folder_ / "s.db") {
     const auto fast = made_.solver("active_set");
     const auto fine = made_.solver("contact_lemke", "precision=polished");
     const auto bullet = made_.solver("bullet_dantzig", "", "", "Bullet");
-    const auto ode = made_.solver("ode_dantzig", "", "", "ODE");
+    const auto ode = made_.solver("ode_step", "", "", "ODE");
     for (std::int64_t trial = 0; trial < 60; ++trial) {
       const bool fails = trial % 3 == 0;
       made_.problem("paper/monotone/exp1", trial,
@@ -172,7 +172,7 @@ TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) 
   EXPECT_NE(use.find("100 %"), std::string::npos) << use;
   EXPECT_NE(line_with("accurate").find("contact_lemke{"), std::string::npos) << text;
   EXPECT_NE(text.find("Bullet    bullet_dantzig"), std::string::npos) << text;
-  EXPECT_NE(line_with("ODE  ").find("ode_dantzig"), std::string::npos) << text;
+  EXPECT_NE(line_with("ODE  ").find("ode_step"), std::string::npos) << text;
   EXPECT_NE(line_with("Bullet  ").find("4.00x (4.00–4.00) n=40"), std::string::npos) << text;
   EXPECT_NE(line_with("ODE  ").find("10.0x (10.0–10.0) n=60"), std::string::npos) << text;
   EXPECT_NE(text.find("said solved, and was wrong: bullet_dantzig on 20 of 60\n"), std::string::npos) << text;
@@ -265,7 +265,7 @@ TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {
 
 // ------------------------------------------------------------------------------------------------- the commands
 
-class TerminalTest : public testing::Test {
+class TerminalTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   void TearDown() override { unsetenv("COLUMNS"); }
@@ -370,4 +370,4 @@ TEST_F(TerminalTest, MisspeltNamesAreRecognised) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::terminal_test

@@ -1,15 +1,23 @@
-lcpbench_test(store LINK lcpbench_study)
-lcpbench_test(store_faults LINK lcpbench_study)
-lcpbench_test(store_sharing LINK lcpbench_study)
-lcpbench_test(merge LINK lcpbench_study)
-lcpbench_test(plan LINK lcpbench_study lcpbench_solver_list)
-lcpbench_test(runner LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
-lcpbench_test(runner_faults LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
-target_compile_definitions(runner_faults_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
-add_dependencies(runner_faults_test fault_worker)
+lcpbench_room(store LINK lcpbench_study lcpbench_solver_list)
+foreach(test store store_faults merge plan)
+  lcpbench_test(${test})
+endforeach()
+lcpbench_test(store_sharing APART LINK lcpbench_study)
 
-lcpbench_test(start_last LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
-lcpbench_test(work_queue LINK lcpbench_runner lcpbench_study lcpbench_solver_list)
+lcpbench_room(study
+  LINK lcpbench_runner lcpbench_report lcpbench_shrink lcpbench_view lcpbench_models lcpbench_study lcpbench_generators
+    lcpbench_evaluation lcpbench_adapters lcpbench_solver_list nlohmann_json::nlohmann_json
+  NEEDS lcpbench lcpbench_workers lcpbench_engines fault_worker
+  DEFINE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" FAULT_WORKER="$<TARGET_FILE:fault_worker>"
+    LCPBENCH_PLAN="${CMAKE_CURRENT_SOURCE_DIR}/study/regression_plan.json"
+    LCPBENCH_COUNTS="${CMAKE_CURRENT_SOURCE_DIR}/golden/regression.json")
+foreach(test runner runner_faults start_last work_queue cli documents first_use surroundings terminal shrink
+        replay_measures replay view velocity_agreement validate definite models)
+  lcpbench_test(${test})
+endforeach()
+lcpbench_test(kill SLOW)
+lcpbench_test(adapter_faults SLOW)  # every adapter beside workers that misbehave
+lcpbench_test(regression RELEASE_ONLY)  # counts of a fixed study: sanitizers would say the same
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 # The short share. The long form is one command: tests/study/store_attack.py PROGRAM.
@@ -24,59 +32,12 @@ foreach(driver parallel slurm)
            COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/cluster_test.py ${driver} $<TARGET_FILE:lcpbench>)
   set_tests_properties(cluster_${driver} PROPERTIES SKIP_RETURN_CODE 77)
 endforeach()
-set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" RUN_SERIAL TRUE)
+set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" TIMEOUT 900)  # it waits for Slurm
 
 # A tool for measurements: stores of many answers, for `merge` and `report`.
 add_executable(large_store ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
 target_link_libraries(large_store PRIVATE lcpbench_study)
 
-# These run the program itself.
-lcpbench_test(cli LINK lcpbench_study nlohmann_json::nlohmann_json)
-lcpbench_test(documents LINK lcpbench_study nlohmann_json::nlohmann_json)
-lcpbench_test(first_use LINK lcpbench_study)
-lcpbench_test(surroundings LINK lcpbench_study)
-lcpbench_test(terminal LINK lcpbench_report lcpbench_study)
-lcpbench_test(kill SLOW LINK lcpbench_study)
-foreach(name cli documents first_use surroundings terminal kill)
-  target_compile_definitions(${name}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-  add_dependencies(${name}_test lcpbench lcpbench_workers)
-endforeach()
-
-lcpbench_test(shrink LINK lcpbench_shrink lcpbench_solver_list nlohmann_json::nlohmann_json)
-target_compile_definitions(shrink_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(shrink_test lcpbench lcpbench_workers)
-
-lcpbench_test(replay_measures LINK lcpbench_report nlohmann_json::nlohmann_json)
-lcpbench_test(replay LINK lcpbench_report nlohmann_json::nlohmann_json)
-target_compile_definitions(replay_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(replay_test lcpbench lcpbench_engines)
-
-lcpbench_test(view LINK lcpbench_view lcpbench_generators nlohmann_json::nlohmann_json)
-target_compile_definitions(view_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(view_test lcpbench)
 add_test(NAME view_schema
          COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/view_schema_test.py $<TARGET_FILE:lcpbench>
                  ${PROJECT_SOURCE_DIR})
-
-# Counts of a fixed study. Not under sanitizers: it is long there and would say the same.
-lcpbench_test(regression LINK lcpbench_study nlohmann_json::nlohmann_json)
-target_compile_definitions(regression_test PRIVATE
-  LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
-  LCPBENCH_PLAN="${CMAKE_CURRENT_SOURCE_DIR}/study/regression_plan.json"
-  LCPBENCH_COUNTS="${CMAKE_CURRENT_SOURCE_DIR}/golden/regression.json")
-add_dependencies(regression_test lcpbench)
-set_tests_properties(regression PROPERTIES LABELS release-only)
-
-# Our solvers against the reference libraries.
-lcpbench_test(velocity_agreement LINK lcpbench_report lcpbench_study lcpbench_solver_list)
-lcpbench_test(validate LINK lcpbench_runner lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
-target_compile_definitions(validate_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(validate_test lcpbench lcpbench_workers)
-
-# Every solver on problems with a planted answer; every adapter beside workers that misbehave.
-lcpbench_test(definite LINK lcpbench_runner lcpbench_study lcpbench_solver_list)
-add_dependencies(definite_test lcpbench_workers)
-lcpbench_test(adapter_faults SLOW LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
-target_compile_definitions(adapter_faults_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
-add_dependencies(adapter_faults_test fault_worker lcpbench_workers)
-lcpbench_test(models LINK lcpbench_models lcpbench_generators lcpbench_evaluation)

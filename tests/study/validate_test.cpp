@@ -16,7 +16,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::validate_test {
 namespace {
 
 using nlohmann::json;
@@ -305,7 +305,7 @@ TEST(ValidationPlanTest, SlowReferencesLeaveOutProblemsUnlessTheyAreAskedFor) {
 
 // ---- the command ----
 
-class ValidateCommandTest : public testing::Test {
+class ValidateCommandTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   ScratchFolder folder_;
@@ -443,4 +443,4 @@ TEST_F(ValidateCommandTest, MistakesOfUseExitWith2AndOneLine) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::validate_test

@@ -10,7 +10,7 @@
 #include "core/registry.h"
 #include "generators/sets.h"
 
-namespace lcpbench {
+namespace lcpbench::velocity_agreement_test {
 namespace {
 
 struct Judged {
@@ -135,4 +135,4 @@ TEST(VelocityAgreementTest, AppliesWhereTheoryHasOneVelocityOnly) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::velocity_agreement_test

@@ -20,7 +20,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::view_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -164,7 +164,7 @@ TEST(ReplayView, KeepsThePosesOfWhatDoesNotMoveOnce) {
   EXPECT_EQ(view["replays"][0]["survived"], 7);
 }
 
-class ViewCommand : public testing::Test {
+class ViewCommand : public ::testing::Test {
  protected:
   const ScratchFolder scratch_;
   const fs::path folder_ = scratch_ / "";
@@ -328,4 +328,4 @@ TEST_F(ViewCommand, TheReportHasStepsWithAVerifiedAnswerAndOneThatFailed) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::view_test

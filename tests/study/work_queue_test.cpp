@@ -17,7 +17,7 @@
 #include "tests/support/study_support.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::work_queue_test {
 namespace {
 
 bool any_divides(const std::vector<std::int64_t>& steps, std::int64_t trial) {
@@ -273,4 +273,4 @@ TEST(PlanWalkTest, TenToTheEightTrialsCostNoMoreThanTen) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::work_queue_test

@@ -20,6 +20,13 @@ namespace {
 
 thread_local bool counting = false;
 thread_local int allocations = 0;
+thread_local std::size_t bytes = 0;
+
+[[maybe_unused]] void count(std::size_t size) {
+  if (!counting) return;
+  ++allocations;
+  bytes += size;
+}
 
 }  // namespace
 
@@ -29,6 +36,7 @@ bool allocations_are_counted() { return LCPBENCH_OWN_ALLOCATOR != 0; }
 
 void start_counting_allocations() {
   allocations = 0;
+  bytes = 0;
   counting = true;
 }
 
@@ -36,6 +44,8 @@ int stop_counting_allocations() {
   counting = false;
   return allocations;
 }
+
+std::size_t counted_bytes() { return bytes; }
 
 }  // namespace lcpbench::testing
 
@@ -46,27 +56,27 @@ int stop_counting_allocations() {
 extern "C" {
 
 void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_calloc(std::size_t number, std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) {
-  if (counting) ++allocations;
+  count(size);
   return __libc_malloc(size);
 }
 
-void* calloc(std::size_t count, std::size_t size) {
-  if (counting) ++allocations;
-  return __libc_calloc(count, size);
+void* calloc(std::size_t number, std::size_t size) {
+  count(number * size);
+  return __libc_calloc(number, size);
 }
 
 void* realloc(void* old, std::size_t size) {
-  if (counting) ++allocations;
+  count(size);
   return __libc_realloc(old, size);
 }
 
 void* memalign(std::size_t alignment, std::size_t size) {
-  if (counting) ++allocations;
+  count(size);
   return __libc_memalign(alignment, size);
 }
 

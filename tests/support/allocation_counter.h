@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 namespace lcpbench::testing {
 
 /// False in builds whose allocator cannot be replaced (sanitizers, other C libraries than glibc): counts are 0 there.
@@ -8,6 +10,8 @@ bool allocations_are_counted();
 void start_counting_allocations();
 /// Calls of malloc, calloc, realloc and the aligned forms by this thread since the start.
 int stop_counting_allocations();
+/// Of the counted allocations.
+std::size_t counted_bytes();
 
 /// Allocations that `work` makes, in whatever library.
 template <class Work>

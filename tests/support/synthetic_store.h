@@ -98,7 +98,7 @@ class SyntheticStore {
       row.errors.model_error_m_per_s = answer.model_error_m_per_s;
       row.errors.violation_m_per_s = row.errors.usable ? answer.violation_m_per_s : Errors::kNone;
     }
-    row.errors.solved = answer.error <= (bare ? 1e-9 : 1e-4);
+    row.errors.solved = answer.error <= (bare ? kSolvedBackwardError : kSolvedVelocityResidual);
     row.errors.criterion = row.errors.usable && answer.criterion && !bare;
     row.times.setup_cpu_s = row.times.setup_wall_s = answer.time_s / 4;
     row.times.solve_cpu_s = row.times.solve_wall_s = 3 * answer.time_s / 4;

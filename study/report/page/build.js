@@ -1,4 +1,5 @@
 // Makes page.html: `npm ci && npm run build`. With --check it compares instead, and fails where page.html is stale.
+import { createHash } from "node:crypto";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -18,8 +19,10 @@ const [script] = (await esbuild.build({
 })).outputFiles;
 const [style] = (await esbuild.build({ ...options, entryPoints: [source("page.css")] })).outputFiles;
 
-// The browser itself refuses every request: what the page shows is in the page.
-const policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+// The browser itself refuses every request, and every script but this one: what the page shows is in the page.
+const code = script.text.trim();
+const hash = createHash("sha256").update(code).digest("base64");
+const policy = `default-src 'none'; script-src 'sha256-${hash}'; style-src 'unsafe-inline'; img-src data: blob:`;
 const page = `<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -34,7 +37,7 @@ const page = `<!DOCTYPE html>
 <body>
 <noscript>This page needs JavaScript. The folder tables/ beside it holds the same numbers as CSV files.</noscript>
 <script type="application/json" id="report">@report@</script>
-<script>${script.text.trim()}</script>
+<script>${code}</script>
 </body>
 </html>
 `;

@@ -2,6 +2,7 @@
 -- Solvers at single settings: share solved of the problems that the solver took and that are not proven unsolvable, with its 95 % interval, false claims, time, error, and the worst problem with the command that repeats it.
 SELECT c."set", c.label AS solver, c.library, c.trials AS problems, 1.0 * a.solved / a."of" AS solved_share,
        wilson_low(a.solved, a."of") AS solved_share_low, wilson_high(a.solved, a."of") AS solved_share_high,
+       1.0 * c.solved_1e9 / a."of" AS solved_1e9_share,
        c.false_claims, c.gave_up, c.unsupported AS refused,
        c."time.all.median" AS median_time_s, c."time.all.median_low" AS median_time_low_s,
        c."time.all.median_high" AS median_time_high_s,

@@ -20,7 +20,7 @@
 #include "tests/attack/judge.h"
 #include "tests/attack/problems.h"
 
-namespace lcpbench {
+namespace lcpbench::inertia_claims_test {
 namespace {
 
 Matrix matrix(std::initializer_list<std::initializer_list<double>> rows) {
@@ -382,11 +382,11 @@ TEST(InertiaClaimsTest, RandomInertiaOfDoubtfulRank) {
   const int most = count != nullptr ? std::atoi(count) : 60;
   for (int trial = 0; trial < most; ++trial) {
     const Problem problem = problems.next();
-    SCOPED_TRACE(testing::Message() << "problem " << trial << " of kind " << problems.kind());
+    SCOPED_TRACE(::testing::Message() << "problem " << trial << " of kind " << problems.kind());
     if (!ExactResponse::of(problem.contact()->inertia)) continue;  // indefinite by rounding
     expect_truth_of_all(problem);
   }
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::inertia_claims_test
