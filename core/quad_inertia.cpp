@@ -74,6 +74,22 @@ QuadMatrix orthonormal_range(QuadMatrix X, Quad& left) {
   return basis;
 }
 
+// The same, but `left` is 1 where the rank is another one with all rows scaled to unit length: a column that differs
+// from others in a light coordinate alone seems to depend on them.
+QuadMatrix visible_range(const QuadMatrix& X, Quad& left) {
+  QuadMatrix scaled = X;
+  for (std::size_t i = 0; i < X.rows; ++i) {
+    Quad square = 0;
+    for (std::size_t j = 0; j < X.cols; ++j) square += X(i, j) * X(i, j);
+    for (std::size_t j = 0; j < X.cols && square > 0; ++j) scaled(i, j) /= sqrt(square);
+  }
+  const std::size_t rank = orthonormal_range(std::move(scaled), left).cols;
+  const bool is_visible = left <= kLeft;
+  QuadMatrix range = orthonormal_range(X, left);
+  if (!is_visible || range.cols != rank) left = 1;
+  return range;
+}
+
 bool all_within(const QuadMatrix& A, Quad bound) {
   return std::all_of(A.entries.begin(), A.entries.end(), [bound](Quad entry) { return abs(entry) <= bound; });
 }
@@ -191,7 +207,7 @@ void QuadInertia::add_factors(const FactoredInertia& factors) {
 /// For G = W W': B'G B is factored without forming it.
 void QuadInertia::find_range(Block& block, const QuadMatrix& W) {
   Quad left = 0;
-  block.range = orthonormal_range(W, left);
+  block.range = visible_range(W, left);
   QuadMatrix inside = W;
   if (block.range->cols == block.size()) {
     block.range.reset();
@@ -207,7 +223,7 @@ void QuadInertia::find_range(Block& block, const QuadMatrix& W) {
 /// For a given G.
 void QuadInertia::find_range(Block& block) {
   Quad left = 0;
-  block.range = orthonormal_range(block.matrix, left);
+  block.range = visible_range(block.matrix, left);
   const QuadMatrix projection = projected(block.matrix, *block.range);
   if (!block.factor.factor(projection)) {
     cut(block);

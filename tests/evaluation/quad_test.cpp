@@ -161,7 +161,8 @@ TEST(QuadInertiaTest, NearlyDependentFactorsStayIndependent) {
   EXPECT_LT(std::abs(to_double(x[1] * 0x1p-61 - 1)), 1e-14);
 }
 
-/// Factors that are 2^-60 apart are two; of 2^-95 nothing tells whether they are one but for rounding.
+/// Factors that are 2^-60 apart are two; of 2^-95 nothing tells whether they are one but for rounding. Of 2^-110 the
+/// units of the second coordinate decide.
 TEST(QuadInertiaTest, WithoutAVisibleGapTheRankIsUnresolved) {
   const auto apart = [](double distance) {
     Matrix X(3, 2);
@@ -170,6 +171,8 @@ TEST(QuadInertiaTest, WithoutAVisibleGapTheRankIsUnresolved) {
   };
   EXPECT_TRUE(apart(0x1p-95).unresolved());
   EXPECT_FALSE(apart(0x1p-95).well_defined());
+  EXPECT_TRUE(apart(0x1p-110).unresolved());
+  EXPECT_TRUE(QuadInertia(DenseInertia{Matrix{{1, 0, 1}, {0, 0x1p-110, 0}, {1, 0, 1}}}).unresolved());
   const QuadInertia two = apart(0x1p-60);
   ASSERT_TRUE(two.well_defined());
   EXPECT_EQ(to_double(two.outside_range({0, 1, 0})[1]), 0);
@@ -177,7 +180,7 @@ TEST(QuadInertiaTest, WithoutAVisibleGapTheRankIsUnresolved) {
   two.solve(x);  // G = [2 e; e e^2] in the first two coordinates
   EXPECT_NEAR(to_double(x[0]), 1, 0x1p-40);
   EXPECT_NEAR(to_double(x[1] * 0x1p-60), -1, 0x1p-40);
-  const QuadInertia one = apart(0x1p-110);
+  const QuadInertia one = apart(0);
   ASSERT_TRUE(one.well_defined());
   QuadVector y{1, 0, 0};
   one.solve(y);
