@@ -226,8 +226,11 @@ void RefinedInertia::load(std::span<const std::size_t> rows, const double* entri
   for (std::size_t e = 0; e < rows.size(); ++e) rough_[rows[e]] = entries[e];
 }
 
-/// rough_ := G* rough_, of which the rows of pattern_ may not be zero. @pre is_moderate()
-void RefinedInertia::solve_roughly() const {
+/// rough_ := G* x for the x with these entries in `rows`; the rows of pattern_ may not be zero in it.
+/// @returns is_moderate(): false, and no solution, where a refinement does not converge
+bool RefinedInertia::solve_roughly(std::span<const std::size_t> rows, const double* entries) const {
+  if (precise_) return false;
+  load(rows, entries);
   wide_.resize(rough_.size(), 0);
   if (!has_inertia_) {
     const Matrix& Ginv = std::get<InverseInertia>(inertia_).Ginv;
@@ -235,7 +238,7 @@ void RefinedInertia::solve_roughly() const {
     Eigen::Map<Vector>(rough_.data(), Ginv.cols()) = Ginv * x;
     pattern_.resize(rough_.size());
     std::iota(pattern_.begin(), pattern_.end(), std::size_t{0});
-    return;
+    return true;
   }
   touched_.clear();
   for (const std::size_t i : pattern_) touched_.push_back(block_of_[i]);
@@ -250,8 +253,12 @@ void RefinedInertia::solve_roughly() const {
       for (const std::size_t i : coordinates) wide_[i] = rough_[i];
       const bool refined = refine(block, wide_);
       for (const std::size_t i : coordinates) {
-        rough_[i] = refined ? to_double(wide_[i]) : std::numeric_limits<double>::quiet_NaN();
+        rough_[i] = to_double(wide_[i]);
         wide_[i] = 0;
+      }
+      if (!refined) {
+        make_precise();
+        return false;
       }
       continue;
     }
@@ -260,6 +267,7 @@ void RefinedInertia::solve_roughly() const {
     solve_in_double(block, correction_.data());
     for (std::size_t i = 0; i < block.size; ++i) rough_[coordinates[i]] = correction_[i] * units_[block.first + i];
   }
+  return true;
 }
 
 Quad RefinedInertia::energy(std::span<const std::size_t> rows, const double* entries) const {
@@ -271,18 +279,18 @@ Quad RefinedInertia::energy(std::span<const std::size_t> rows, const double* ent
         energy += Quad{Ginv(static_cast<Index>(rows[i]), static_cast<Index>(rows[j]))} * entries[i] * entries[j];
       }
     }
-  } else if (precise_) {
+  } else if (solve_roughly(rows, entries)) {
+    double sum = 0;
+    for (std::size_t e = 0; e < rows.size(); ++e) sum += entries[e] * rough_[rows[e]];
+    energy = sum;
+  } else if (precise_->well_defined()) {
     QuadVector x(precise_->dimension(), 0);
     for (std::size_t e = 0; e < rows.size(); ++e) x[rows[e]] = entries[e];
     std::vector<std::size_t> pattern(rows.begin(), rows.end());
     precise_->solve(x, pattern);
     for (std::size_t e = 0; e < rows.size(); ++e) energy += entries[e] * x[rows[e]];
   } else {
-    load(rows, entries);
-    solve_roughly();
-    double sum = 0;
-    for (std::size_t e = 0; e < rows.size(); ++e) sum += entries[e] * rough_[rows[e]];
-    energy = sum;
+    energy = std::numeric_limits<double>::quiet_NaN();
   }
   return energy;
 }

@@ -39,17 +39,15 @@ class RefinedInertia {
   /// Column `coordinate` of G*, to about 2^-30: visit(i, G*_i) for the rows that may not be zero.
   template <class Visit>
   void for_each_inverse(std::size_t coordinate, Visit&& visit) const {
-    if (precise_) {  // entries may be beyond the range of a double
-      QuadVector column(precise_->dimension(), 0);
-      column[coordinate] = 1;
-      precise_->solve(column);
-      for (std::size_t i = 0; i < column.size(); ++i) visit(i, column[i]);
+    const double one = 1;
+    if (solve_roughly({&coordinate, 1}, &one)) {
+      for (const std::size_t i : pattern_) visit(i, Quad{rough_[i]});
       return;
     }
-    const double one = 1;
-    load({&coordinate, 1}, &one);
-    solve_roughly();
-    for (const std::size_t i : pattern_) visit(i, Quad{rough_[i]});
+    QuadVector column(static_cast<std::size_t>(dimension(inertia_)), 0);  // entries may be beyond the range of a double
+    column[coordinate] = 1;
+    solve(column);
+    for (std::size_t i = 0; i < column.size(); ++i) visit(i, column[i]);
   }
 
   /// G x; G* x where only that was given. |G| x or |G*| x with `magnitudes`. Number is Quad, or double where
@@ -84,7 +82,7 @@ class RefinedInertia {
   bool refine(const Block& block, QuadVector& x) const;
   void make_precise() const;
   void load(std::span<const std::size_t> rows, const double* entries) const;
-  void solve_roughly() const;
+  bool solve_roughly(std::span<const std::size_t> rows, const double* entries) const;
 
   const Inertia& inertia_;
   bool has_inertia_ = true;

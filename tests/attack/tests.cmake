@@ -34,6 +34,8 @@ add_test(NAME attack_soft_light COMMAND attack --kind soft --seed 20270301 --fir
 add_test(NAME attack_soft_scales COMMAND attack --kind soft --seed 20270301 --first 69183 --problems 1)
 # No proof stays with an answer that is solved, nor holds one where the compliance times u underflows.
 add_test(NAME attack_soft_underflow COMMAND attack --kind soft --seed 20270301 --first 82745 --problems 1)
+# A G whose refinement in the evaluation does not converge, first seen at a diagonal entry of M.
+add_test(NAME attack_soft_conditioned COMMAND attack --kind soft --seed 20261130 --first 485 --problems 1)
 # Under sanitizers fewer: they take four times as long, and see the same code.
 add_test(NAME attack_doubtful
          COMMAND attack --kind doubtful --problems $<IF:$<BOOL:${LCPBENCH_SANITIZE}>,250,800> --seed 15)

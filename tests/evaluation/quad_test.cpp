@@ -62,6 +62,7 @@ TEST(QuadTest, SquareRootIsAccurateOverTheWholeRange) {
   }
   EXPECT_EQ(to_double(sqrt(Quad{0})), 0.0);
   EXPECT_EQ(to_double(sqrt(Quad{-1})), 0.0);
+  EXPECT_TRUE(std::isnan(to_double(sqrt(Quad{std::numeric_limits<double>::quiet_NaN()}))));
 }
 
 TEST(QuadTest, IsFiniteSeesNanAndBothInfinities) {
