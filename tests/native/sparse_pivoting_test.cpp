@@ -154,8 +154,7 @@ TEST(SparsePivotingTest, OtherMethodsFollowWhereItGivesUp) {
   for (const Lcp& lcp : {cycles, singular}) {
     const Problem problem("x", lcp);
     const Answer answer = solve_by_auto(problem);
-    EXPECT_EQ(answer.claim, Claim::kSolved);
-    EXPECT_EQ(answer.detail, "lemke");
+    EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
   }
 }

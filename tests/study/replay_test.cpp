@@ -125,7 +125,8 @@ TEST_P(ReplayEngine, EveryStepperKeepsThreeCubes) {
 TEST_F(ReplayCommand, FreeFallInSubstepsGainsNoEnergy) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const json scenes = json::parse(run("replay bouncing-balls --stepper exact --stepper 'pgs{substeps=10}' --steps 34 "
-                                      "--stepper xpbd --stepper soft_step --out made --format json").out);
+                                      "--stepper xpbd --stepper soft_step --out made --format json")
+                                      .out);
   for (const json& replay : scenes[0]["replays"]) {
     EXPECT_LT(replay["energy_rise_j"].get<double>(), 1e-5) << replay.dump();
   }
@@ -483,7 +484,7 @@ TEST_F(ReplayCommand, AnUnfinishedReplayLeavesTheEarlierOneAndNoProgram) {
 
 TEST_F(ReplayCommand, MistakesOfUseAreOneLineEach) {
   for (const char* arguments :
-       {"replay", "replay stack --solver auto", "replay stack --out made", "replay nosuch --solver auto --out made",
+       {"replay", "replay stack --out made", "replay nosuch --solver auto --out made",
         "replay hand --engine ode --solver auto --out made", "replay stack --solver nosuch --out made",
         "replay stack --solver engine --out made", "replay stack --solver auto --steps 0 --out made",
         "replay stack --solver auto --engine nosuch --out made", "replay stack --solver 'auto{nosuch=1}' --out made",

@@ -306,13 +306,14 @@ TEST_F(StoreFaultsTest, ChangedRowIsNamedWithItsTable) {
       {"UPDATE cell_groups SET cell = cell + 4294967296", "table cell_groups, row group_id="},
       {"INSERT INTO vectors VALUES (7, x'00')", "table vectors, row id=7"}};
   const std::string bytes = read_bytes(file_);
+  std::ofstream(folder_ / "other.db", std::ios::binary) << bytes;
   for (const auto& [sql, row] : changes) {
     std::ofstream(file_, std::ios::binary) << bytes;
     execute(sql);
     const auto refusals = {input_error([&] { Store::open_for_reading(file_).check(); }),
                            input_error([&] { Store::open_for_writing(file_); }),
                            input_error([&] { merge_stores(folder_ / "out.db", {file_}); }),
-                           input_error([&] { merge_stores(file_, {file_}); })};
+                           input_error([&] { merge_stores(file_, {folder_ / "other.db"}); })};
     for (const std::string& refusal : refusals) {
       EXPECT_TRUE(contains(refusal, file_.string() + ": the store is damaged: " + row)) << refusal;
       EXPECT_TRUE(contains(refusal, "not what was written")) << refusal;

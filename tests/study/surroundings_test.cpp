@@ -131,7 +131,7 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatWaitsForAReader) {
       if (write(STDOUT_FILENO, text.data(), text.size()) < 0) std::_Exit(9);
     }
   };
-  EXPECT_EXIT(print(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
+  EXPECT_EXIT(print(), ::testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   const auto write_page = [&] {
     catch_interrupts(3);
@@ -139,7 +139,7 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatWaitsForAReader) {
     write_file(folder_ / "fifo", "page");
     std::_Exit(9);
   };
-  EXPECT_EXIT(write_page(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
+  EXPECT_EXIT(write_page(), ::testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
 }
 
 #ifndef __SANITIZE_ADDRESS__
