@@ -3,7 +3,7 @@
 
     docs_test.py links                     every relative link and every docs/ path in the sources leads somewhere
     docs_test.py tables LCPBENCH [--write] tables that are made from the program or from results/ are up to date; --write brings them up to date
-    docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run
+    docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run, and print the counts of wrong answers that it states
 
 In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
 Exit codes: 0 done, 1 a check failed.
@@ -344,8 +344,9 @@ def run_tutorial(page, lcpbench):
     """Runs the page as a reader does, from a folder that holds the examples."""
     program = pathlib.Path(lcpbench).resolve()
     environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
-    fences = re.findall(r"^```(\w*) ?(\S*)\n(.*?)^```$", pathlib.Path(page).read_text(), flags=re.S | re.M)
-    commands = 0
+    text = pathlib.Path(page).read_text()
+    fences = re.findall(r"^```(\w*) ?(\S*)\n(.*?)^```$", text, flags=re.S | re.M)
+    commands, output = 0, ""
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(ROOT / "examples", os.path.join(folder, "examples"))
         for language, file, content in fences:
@@ -356,9 +357,14 @@ def run_tutorial(page, lcpbench):
                 ended = subprocess.run(["bash", "-euo", "pipefail", "-c", content], cwd=folder, env=environment,
                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
                 print(content + ended.stdout, end="")
+                output += ended.stdout
                 if ended.returncode != 0:
                     print(f"\n{page}: exit code {ended.returncode} of\n{content}")
                     return 1
+    for wrong in re.findall(r"the output says that (\d+ of \d+) are wrong", text):
+        if not re.search(f"said solved, and was wrong: [^\n]* on {wrong}\\b", output):
+            print(f"\n{page}: the output does not say that {wrong} are wrong")
+            return 1
     return 0 if commands > 0 else 1
 
 

@@ -282,9 +282,11 @@ TEST_F(KillTest, SecondInterruptEndsAtOnce) {
 }
 
 TEST_F(KillTest, SecondProgramIsRefusedWhileTheFirstRuns) {
-  Process first(command("s.db"));
+  const std::vector<std::string> endless{"run", "--set", "paper/monotone/exp1", "--trials", "100000000", "--solver",
+                                         "lemke", "--jobs", "1", "--store", (folder_ / "s.db").string()};
+  Process first(endless);
   while (!std::filesystem::exists(folder_ / "s.db-wal")) std::this_thread::sleep_for(milliseconds(10));
-  EXPECT_EQ(Process(command("s.db")).wait(), 2);
+  EXPECT_EQ(Process(endless).wait(), 2);
 }
 
 }  // namespace
