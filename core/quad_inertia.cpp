@@ -294,10 +294,10 @@ void QuadInertia::Block::solve(Quad* x) const {
 }
 
 bool QuadInertia::proven_positive_definite() const {
-  return std::all_of(blocks_.begin(), blocks_.end(), [](const Block& block) {
-    if (block.is_inverse) return lcpbench::proven_positive_definite(block.matrix, 0);
-    return !block.range;
-  });
+  return well_defined() && std::all_of(blocks_.begin(), blocks_.end(), [](const Block& block) {
+           if (block.is_inverse) return lcpbench::proven_positive_definite(block.matrix, 0);
+           return !block.range;
+         });
 }
 
 void QuadInertia::solve(QuadVector& x) const {

@@ -83,12 +83,15 @@ Errors contact_errors(ContactEvaluation& contact, const Answer& answer, Errors e
   if (!contact.lcp) return errors;
   const QuadVector z = numbers(answer.z);
   const QuadVector u = contact.lcp->response(z), w = contact.lcp->all_rows(z, u);
+  const Errors unmeasured = errors;
+  if (measure_rows(z, u, w, errors)) {
+    contact.measure(z, u, w, errors);
+    ReturnedVelocity returned(contact, z, u);
+    errors.velocity_mismatch = returned.mismatch(answer.velocity);
+    returned.measure(answer.velocity, errors);
+  }
+  if (!contact.inertia.well_defined()) errors = unmeasured;  // 113 bits were needed, and found no G*
   errors.unresolved = contact.inertia.unresolved();
-  if (!measure_rows(z, u, w, errors)) return errors;
-  contact.measure(z, u, w, errors);
-  ReturnedVelocity returned(contact, z, u);
-  errors.velocity_mismatch = returned.mismatch(answer.velocity);
-  returned.measure(answer.velocity, errors);
   return errors;
 }
 

@@ -19,7 +19,6 @@ void measure_by_cone(ContactEvaluation& evaluation, const RowIslands& islands, c
   const ConeFriction friction(evaluation.problem, lcp);
   const ContactLayout& layout = lcp.layout();
   const QuadVector z = numbers(impulses), u = lcp.response(z), rows = lcp.all_rows(z, u);
-  errors.unresolved = evaluation.inertia.unresolved();
   if (!all_finite(rows) || !all_finite(u)) return;
   Quad largest = 0;
   Quad rho = 0;
@@ -143,7 +142,11 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   ContactEvaluation evaluation(*contact, rows);
   errors.unresolved = evaluation.inertia.unresolved() || !why_no_round_cone(*contact).empty();
   if (!evaluation.lcp || errors.unresolved) return;
+  const Errors unmeasured = errors;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);
+  if (!evaluation.inertia.well_defined()) errors = unmeasured;  // see Evaluator::errors()
+  errors.unresolved = evaluation.inertia.unresolved();
+  if (errors.unresolved) return;
   if (convex) errors.optimum_distance = optimum_distance(evaluation, answer.z);
 }
 

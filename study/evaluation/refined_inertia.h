@@ -44,10 +44,8 @@ class RefinedInertia {
       for (const std::size_t i : pattern_) visit(i, Quad{rough_[i]});
       return;
     }
-    QuadVector column(static_cast<std::size_t>(dimension(inertia_)), 0);  // entries may be beyond the range of a double
-    column[coordinate] = 1;
-    solve(column);
-    for (std::size_t i = 0; i < column.size(); ++i) visit(i, column[i]);
+    solve_precisely({&coordinate, 1}, &one);  // entries may be beyond the range of a double
+    for (const std::size_t i : pattern_) visit(i, wide_[i]);
   }
 
   /// G x; G* x where only that was given. |G| x or |G*| x with `magnitudes`. Number is Quad, or double where
@@ -83,6 +81,7 @@ class RefinedInertia {
   void make_precise() const;
   void load(std::span<const std::size_t> rows, const double* entries) const;
   bool solve_roughly(std::span<const std::size_t> rows, const double* entries) const;
+  void solve_precisely(std::span<const std::size_t> rows, const double* entries) const;
 
   const Inertia& inertia_;
   bool has_inertia_ = true;
@@ -95,7 +94,7 @@ class RefinedInertia {
   Columns U_;                          ///< U D U' is the scaled block; the columns of a block from the last one on
   std::vector<double> pivots_;         ///< D, in the order of U_
   mutable std::optional<QuadInertia> precise_;
-  mutable QuadVector solution_, residual_, wide_;   ///< wide_: zeros between uses
+  mutable QuadVector solution_, residual_, wide_;   ///< wide_: zeros, but for pattern_ where precise_ is there
   mutable std::vector<double> correction_, rough_;  ///< rough_: zeros but for pattern_
   mutable std::vector<std::size_t> pattern_, touched_;
 };

@@ -148,6 +148,7 @@ void ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
       if (apart == 0) continue;
       Quad error = quotient(apart, abs(v[i]) + abs(v_plus_[i] - v[i]));
       if (!(error <= kSolvedReturnedVelocity)) error = quotient(apart, scale_of(i));
+      if (!is_finite(error)) error = std::numeric_limits<double>::infinity();  // NaN, too
       if (error > largest) {
         errors.worst_coordinate = {static_cast<Index>(i), given, to_double(v_plus_[i])};
       }
