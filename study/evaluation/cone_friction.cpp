@@ -43,10 +43,9 @@ ConeFriction::Tangential ConeFriction::impulse_of(Index contact, const QuadVecto
   return sum;
 }
 
-ConeFriction::Tangential ConeFriction::relative_slip(Index contact, const QuadVector& z, const QuadVector& w) const {
-  const Quad lambda =
-      z[static_cast<std::size_t>(layout_.lambda_offset() + layout_.lambda[static_cast<std::size_t>(contact)])];
-  return {w[direction(contact, 0)] - lambda, w[second(contact)] - lambda};
+/// Not from w, in which a large lambda hides it.
+ConeFriction::Tangential ConeFriction::relative_slip(Index contact, const QuadVector& z, const QuadVector& u) const {
+  return {lcp_.velocity(direction(contact, 0), z, u), lcp_.velocity(second(contact), z, u)};
 }
 
 /// M_tt
@@ -54,45 +53,45 @@ Quad ConeFriction::diagonal(Index contact) const {
   return larger(lcp_.diagonal(direction(contact, 0)), lcp_.diagonal(second(contact)));
 }
 
-Quad ConeFriction::convex_residual(Index contact, const QuadVector& z, const QuadVector& w) const {
+Quad ConeFriction::convex_residual(Index contact, const QuadVector& z, const QuadVector& u) const {
   const auto row = static_cast<std::size_t>(contact);
   const Quad m = larger(lcp_.diagonal(row), diagonal(contact));
   const Quad mu = problem_.mu(contact);
-  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, w);
-  const Quad scaled = m * z[row], trial_normal = scaled - w[row];
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, u);
+  const Quad scaled = m * z[row], w = lcp_.velocity(row, z, u), trial_normal = scaled - w;
   if (mu == 0) {  // as below, but does not cancel w where m is huge
-    return finite_or_infinity(length_of(smaller(scaled, w[row]), Tangential{m * f.first, m * f.second}.length()));
+    return finite_or_infinity(length_of(smaller(scaled, w), Tangential{m * f.first, m * f.second}.length()));
   }
   const Tangential trial{m * f.first - slip.first, m * f.second - slip.second};
   const Quad trial_size = trial.length();
-  if (trial_normal >= 0 && mu * trial_normal >= trial_size) return finite_or_infinity(length_of(w[row], slip.length()));
+  if (trial_normal >= 0 && mu * trial_normal >= trial_size) return finite_or_infinity(length_of(w, slip.length()));
   const Quad height = larger((trial_normal + mu * trial_size) / (1 + mu * mu), Quad{0});
   const Quad share = quotient(mu * height, trial_size);
   const Tangential missing{m * f.first - share * trial.first, m * f.second - share * trial.second};
   return finite_or_infinity(length_of(scaled - height, missing.length()));
 }
 
-void ConeFriction::describe(Index contact, const QuadVector& z, const QuadVector& w, WorstRow& worst) const {
-  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, w);
+void ConeFriction::describe(Index contact, const QuadVector& z, const QuadVector& u, WorstRow& worst) const {
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, u);
   worst.slip = to_double(slip.length());
-  worst.separation = to_double(w[static_cast<std::size_t>(contact)]);
+  worst.separation = to_double(lcp_.velocity(static_cast<std::size_t>(contact), z, u));
   worst.normal = to_double(normal(contact, z));
   worst.friction = to_double(f.length());
   worst.opposing = -to_double(quotient(f.first * slip.first + f.second * slip.second, f.length() * slip.length()));
 }
 
-Quad ConeFriction::lack(Index contact, const QuadVector& z, const QuadVector& w) const {
-  const Tangential slip = relative_slip(contact, z, w);
-  return Quad(problem_.mu(contact)) * slip.length() - w[static_cast<std::size_t>(contact)];
+Quad ConeFriction::lack(Index contact, const QuadVector& z, const QuadVector& u) const {
+  const Tangential slip = relative_slip(contact, z, u);
+  return Quad(problem_.mu(contact)) * slip.length() - lcp_.velocity(static_cast<std::size_t>(contact), z, u);
 }
 
-Quad ConeFriction::work(Index contact, const QuadVector& z, const QuadVector& w) const {
-  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, w);
-  return normal(contact, z) * w[static_cast<std::size_t>(contact)] + f.first * slip.first + f.second * slip.second;
+Quad ConeFriction::work(Index contact, const QuadVector& z, const QuadVector& u) const {
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, u);
+  return normal(contact, z) * lcp_.velocity(static_cast<std::size_t>(contact), z, u) + f.first * slip.first + f.second * slip.second;
 }
 
-Quad ConeFriction::residual(Index contact, const QuadVector& z, const QuadVector& w) const {
-  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, w);
+Quad ConeFriction::residual(Index contact, const QuadVector& z, const QuadVector& u) const {
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, z, u);
   if (f.first == 0 && f.second == 0 && !(normal(contact, z) > 0)) return 0;  // whatever M_tt is, which takes a solve
   const Quad m = diagonal(contact);
   const Tangential scaled{m * f.first, m * f.second};

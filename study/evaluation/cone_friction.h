@@ -19,20 +19,20 @@ class ConeFriction {
 
   bool has_friction(Index contact) const { return edges(contact) > 0; }
 
-  // Of a contact with friction. z has lcp.size() entries, w is M z + q, u = v + G* J f.
+  // Of a contact with friction. z has lcp.size() entries, its lambdas play no part; u = v + G* J f.
 
   /// | M_tt f_t - P(M_tt f_t - w_t) | [m/s], P the nearest point of the disc of radius mu M_tt max(f_N, 0).
   /// Infinity where it is not finite.
-  Quad residual(Index contact, const QuadVector& z, const QuadVector& w) const;
+  Quad residual(Index contact, const QuadVector& z, const QuadVector& u) const;
   /// m | f - P(f - w / m) | [m/s], P the nearest point of the cone |f_t| <= mu f_N, m the larger of M_nn and M_tt: zero
   /// where the conditions of the convex model hold. Infinity where it is not finite.
-  Quad convex_residual(Index contact, const QuadVector& z, const QuadVector& w) const;
+  Quad convex_residual(Index contact, const QuadVector& z, const QuadVector& u) const;
   /// Sets what a WorstRow says of its contact.
-  void describe(Index contact, const QuadVector& z, const QuadVector& w, WorstRow& worst) const;
+  void describe(Index contact, const QuadVector& z, const QuadVector& u, WorstRow& worst) const;
   /// mu |w_t| - w_N [m/s]: at most zero where w is in the dual cone mu |w_t| <= w_N.
-  Quad lack(Index contact, const QuadVector& z, const QuadVector& w) const;
+  Quad lack(Index contact, const QuadVector& z, const QuadVector& u) const;
   /// f'w [J].
-  Quad work(Index contact, const QuadVector& z, const QuadVector& w) const;
+  Quad work(Index contact, const QuadVector& z, const QuadVector& u) const;
   /// |f_t| [N s].
   Quad impulse(Index contact, const QuadVector& z) const { return impulse_of(contact, z).length(); }
   /// |J_t'u| [m/s].
@@ -57,7 +57,7 @@ class ConeFriction {
   Quad normal(Index contact, const QuadVector& z) const { return z[static_cast<std::size_t>(contact)]; }
   Tangential impulse_of(Index contact, const QuadVector& z) const;
   /// w_t
-  Tangential relative_slip(Index contact, const QuadVector& z, const QuadVector& w) const;
+  Tangential relative_slip(Index contact, const QuadVector& z, const QuadVector& u) const;
   Quad diagonal(Index contact) const;
 
   const ContactProblem& problem_;

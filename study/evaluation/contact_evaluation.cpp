@@ -59,12 +59,12 @@ QuadVector ContactEvaluation::measure_residual(const QuadVector& z, const QuadVe
 }
 
 /// The cone shares the normal rows with the pyramid.
-double ContactEvaluation::model_error(const QuadVector& z, const QuadVector& w, const QuadVector& residuals) {
+double ContactEvaluation::model_error(const QuadVector& z, const QuadVector& v_plus, const QuadVector& residuals) {
   if (!cone) return Errors::kNone;
   Quad largest = 0;
   for (Index contact = 0; contact < problem.nc(); ++contact) {
     largest = larger(largest, residuals[static_cast<std::size_t>(contact)]);
-    if (cone->has_friction(contact)) largest = larger(largest, cone->residual(contact, z, w));
+    if (cone->has_friction(contact)) largest = larger(largest, cone->residual(contact, z, v_plus));
   }
   return to_double(largest);
 }
@@ -84,7 +84,7 @@ Quad ContactEvaluation::work_gain(const QuadVector& z, const QuadVector& v_plus)
 
 void ContactEvaluation::measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors) {
   const QuadVector residuals = measure_residual(z, w, errors);
-  errors.model_error_m_per_s = model_error(z, w, residuals);
+  errors.model_error_m_per_s = model_error(z, v_plus, residuals);
   Quad violation = 0, cone_violation = 0;
   for (std::size_t i = 0; i < lcp->contacts(); ++i) violation = larger(violation, -w[i]);
   for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) cone_violation = larger(cone_violation, -w[i]);

@@ -39,7 +39,7 @@ struct ContactEvaluation {
 
  private:
   QuadVector measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors);
-  double model_error(const QuadVector& z, const QuadVector& w, const QuadVector& residuals);
+  double model_error(const QuadVector& z, const QuadVector& v_plus, const QuadVector& residuals);
   Quad work_gain(const QuadVector& z, const QuadVector& v_plus) const;
 
   QuadVector scales_;  // made by scales()

@@ -31,6 +31,10 @@ class ContactLcp {
   QuadVector response(const QuadVector& z) const;
   /// w = M z + q. @param u  response(z)
   QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
+  /// w_i of a normal or friction row without lambda: the velocity along it, with offset and compliance.
+  Quad velocity(std::size_t i, const QuadVector& z, const QuadVector& u) const {
+    return project(i, u) + offset(i) + (soft_ ? yielding(i, z) : Quad{0});
+  }
   /// M_ii.
   Quad diagonal(std::size_t i);
   std::size_t impulses() const { return begin_.size() - 1; }

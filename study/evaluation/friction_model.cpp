@@ -47,10 +47,10 @@ void measure_by_cone(ContactEvaluation& evaluation, const RowIslands& islands, c
     take({.row = layout.lambda_offset() + layout.lambda[row],
           .z = to_double(friction.slip(contact, u)),
           .w = to_double(slack)},
-         convex ? friction.convex_residual(contact, z, rows) : friction.residual(contact, z, rows));
+         convex ? friction.convex_residual(contact, z, u) : friction.residual(contact, z, u));
   }
   if (const Index cone = errors.worst.row - layout.lambda_offset(); cone >= 0) {
-    friction.describe(layout.cone_contact[static_cast<std::size_t>(cone)], z, rows, errors.worst);
+    friction.describe(layout.cone_contact[static_cast<std::size_t>(cone)], z, u, errors.worst);
   }
   errors.velocity_residual_m_per_s = to_double(largest);
   if (!convex) errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
@@ -95,8 +95,8 @@ double optimum_distance(const ContactEvaluation& evaluation, const Vector& impul
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
     const bool frictional = friction.has_friction(contact);
-    const Quad lack = larger(frictional ? friction.lack(contact, z, w) : -w[row], 0);
-    gap += frictional ? friction.work(contact, z, w) : z[row] * w[row];
+    const Quad lack = larger(frictional ? friction.lack(contact, z, u) : -w[row], 0);
+    gap += frictional ? friction.work(contact, z, u) : z[row] * w[row];
     if (lack == 0) continue;
     const double compliance = problem.normal_compliance(contact);
     if (compliance == 0) return kUnbounded;

@@ -80,8 +80,8 @@ void RefinedInertia::add(const Matrix& given, std::size_t offset) {
   }
 }
 
-/// Appends the factors, and finds out how well they solve for a vector whose products have to be rounded: rounding has a
-/// part along each direction, that in which the block is nearest to singular among them.
+/// Appends the factors, and finds out how well they solve for a vector whose products have to be rounded: rounding has
+/// a part along each direction, that in which the block is nearest to singular among them.
 bool RefinedInertia::factor(Block& block) {
   if (!eliminate(block, 0, U_, pivots_)) return false;
   if (block.size == 1) return true;

@@ -51,7 +51,7 @@ std::vector<double> contact_residuals(const ContactProblem& problem, const Vecto
   ContactEvaluation evaluation(problem, islands);
   const QuadVector point = numbers(z);
   if (!evaluation.lcp) return std::vector<double>(problem.edges.size(), Errors::kNone);
-  const QuadVector w = evaluation.lcp->all_rows(point, evaluation.lcp->response(point));
+  const QuadVector u = evaluation.lcp->response(point), w = evaluation.lcp->all_rows(point, u);
   if (!all_finite(w)) return std::vector<double>(problem.edges.size(), Errors::kNone);
   const ConeFriction friction(problem, *evaluation.lcp);
   const ContactLayout& layout = evaluation.lcp->layout();
@@ -64,11 +64,11 @@ std::vector<double> contact_residuals(const ContactProblem& problem, const Vecto
     };
     const bool slides = friction.has_friction(contact);
     if (slides && model == FrictionModel::kConvex) {
-      worst = friction.convex_residual(contact, point, w);
+      worst = friction.convex_residual(contact, point, u);
     } else {
       take_row(contact);
     }
-    if (slides && model == FrictionModel::kCone) worst = larger(worst, friction.residual(contact, point, w));
+    if (slides && model == FrictionModel::kCone) worst = larger(worst, friction.residual(contact, point, u));
     if (slides && model == FrictionModel::kPyramid) {
       for (Index j = layout.friction_begin[c]; j < layout.friction_begin[c + 1]; ++j) {
         take_row(layout.friction_offset() + j);

@@ -44,6 +44,26 @@ Errors by_cone(const Problem& problem, const Answer& answer) {
   return errors;
 }
 
+/// A contact that nothing presses slides at 5 m/s; it has to separate. No lambda hides that from a model of the cone.
+TEST(FrictionModelTest, ALargeLambdaHidesNoSlip) {
+  RigidScene scene;
+  scene.bodies.push_back({.mass = kMass, .linear_velocity = {3, 4, 0}});
+  scene.contacts.push_back({.mu = kMu, .edges = 4});
+  const Problem problem("grazing", std::move(scene));
+  for (const double lambda : {4.0, 1e60}) {
+    Answer answer = impulses(0, 0, 0);
+    answer.z(5) = lambda;
+    Errors convex = Evaluator(problem).errors(answer);
+    EXPECT_TRUE(convex.solved);
+    EXPECT_TRUE(by_cone(problem, answer).solved) << lambda;
+    measure_friction(FrictionModel::kConvex, problem, answer, convex);
+    EXPECT_FALSE(convex.solved) << lambda;
+    answer.z(0) = kMass;  // presses, without friction
+    EXPECT_FALSE(by_cone(problem, answer).solved) << lambda;
+    EXPECT_GE(by_cone(problem, answer).model_error_m_per_s, 0.25) << lambda;
+  }
+}
+
 /// Coulomb's answer to an oblique slip: the friction is opposite to it, at the limit.
 TEST(FrictionModelTest, TheConesSolutionPassesAndThePyramidsDoesNot) {
   const Problem problem = sliding(3, 4);  // of 5 m/s

@@ -172,6 +172,9 @@ TEST(QuadInertiaTest, WithoutAVisibleGapTheRankIsUnresolved) {
   };
   EXPECT_TRUE(apart(0x1p-95).unresolved());
   EXPECT_FALSE(apart(0x1p-95).well_defined());
+  const QuadInertia square(FactoredInertia{Matrix{{1, 0}, {1, 0x1p-70}}, Vector::Ones(2)});
+  EXPECT_TRUE(square.unresolved());
+  EXPECT_FALSE(square.proven_positive_definite());
   EXPECT_TRUE(apart(0x1p-110).unresolved());
   EXPECT_TRUE(QuadInertia(DenseInertia{Matrix{{1, 0, 1}, {0, 0x1p-110, 0}, {1, 0, 1}}}).unresolved());
   const QuadInertia two = apart(0x1p-60);
@@ -202,6 +205,12 @@ TEST(QuadInertiaTest, TheRankOfManyFactorsHasAGap) {
   EXPECT_LT(std::abs(to_double(x[3] - Quad{1} / 3)), 1e-30);
   EXPECT_TRUE(x[7] == 0);
   EXPECT_LT(std::abs(to_double(x[9] - 1)), 1e-30);
+}
+
+TEST(QuadInertiaTest, NegativeWeightsProveNothing) {
+  const QuadInertia inertia(FactoredInertia{Matrix::Identity(2, 2), Vector{{1, -1}}});
+  EXPECT_FALSE(inertia.well_defined());
+  EXPECT_FALSE(inertia.proven_positive_definite());
 }
 
 /// Factors without weight add nothing to the range.
