@@ -241,7 +241,7 @@ bool IslandRace::balance(double imbalance, Answer& answer, AutoReport& report) {
   for (int power = 1; power <= 2; ++power) {
     held_->z = near;
     report.add({.iterations = 0, .pivots = 0, .factorizations = 1}, "");
-    if (!loaded_sticking().balance(held_->z, power) || !(rest_.imbalance(held_->z) <= Rest::kBalanced)) continue;
+    if (!loaded_sticking().balance(held_->z, power, rest_.touching()) || !(rest_.imbalance(held_->z) <= Rest::kBalanced)) continue;
     if (!passes(Vector(held_->z), *held_) || held_->claim != Claim::kSolved) continue;
     answer.z = held_->z;
     return true;

@@ -32,6 +32,8 @@ class Rest {
 
   /// Whether the offsets and some v allow rest at all.
   bool is_possible() const { return is_possible_; }
+  /// Offset up to which a contact touches.
+  double touching() const { return touching_; }
 
   /// By how much the impulses of z miss the balance of the momentum, over the magnitudes that it sums up, of the worst
   /// body; each coordinate counts by the root of its energy. More than kBalanced if a
@@ -90,7 +92,7 @@ class Rest {
   const ContactProblem* contact_ = nullptr;
   const Vector* v_ = nullptr;
   bool is_possible_ = false;
-  double touching_ = 0;               ///< offset up to which a contact touches
+  double touching_ = 0;
   Matrix room_;                       ///< of what follows
   Coordinates momentum_{nullptr, 0};  ///< G v, zero where no contact moves the coordinate
   Coordinates mass_{nullptr, 0};      ///< diagonal of G

@@ -26,6 +26,9 @@ constexpr double kStiffness = 1e9;
 constexpr double kLeastLoad = 1e-2;
 /// Likewise in balance(), over the heaviest coordinate, by its power.
 constexpr std::array kStiffBalance{1e10, 1e14};
+/// Contacts that touch take at least changes as if they had this share of the largest normal impulse: a brick at the
+/// edge of what carries it needs them.
+constexpr double kLeastShare = 1e-6;
 constexpr int kMostBalances = 24, kMostRounds = 16;
 constexpr int kMostSteps = 8;
 
@@ -322,7 +325,7 @@ bool StickingContacts::is_definite() {
   return system_.factor(weights_);
 }
 
-bool StickingContacts::balance(Vector& z, int power) {
+bool StickingContacts::balance(Vector& z, int power, double touching) {
   take_start(z);
   const double largest = largest_load();
   if (!(largest > 0)) return false;
@@ -330,8 +333,8 @@ bool StickingContacts::balance(Vector& z, int power) {
   for (Index i = 0; i < v_.size(); ++i) heaviest = std::max(heaviest, system_.mass(i));
   // So large that G matters little beside A W A': the contacts alone then decide where the changes go.
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
-    const double share = impulses_[system_.contacts()[c].first] / largest;
-    weights_[c] = sticking_[c] != 0 ? kStiffBalance[at(power - 1)] * heaviest * std::pow(share, power) : 0;
+    const double share = std::max(impulses_[system_.contacts()[c].first] / largest, kLeastShare);
+    weights_[c] = offset(c) <= touching ? kStiffBalance[at(power - 1)] * heaviest * std::pow(share, power) : 0;
   }
   if (!system_.factor(weights_)) return false;
   for (int round = 0; round < kMostRounds; ++round) {

@@ -60,8 +60,9 @@ class StickingContacts {
   /// Changes the impulses of z (n) as little as possible, those that press more the most, until they balance the
   /// momentum G v of the island: those of rest. A factorization, and a solve for each step.
   /// @param power changes are in proportion to this power of the normal impulses, as far as may be
+  /// @param touching contacts with a larger offset carry nothing
   /// @pre z is in the cones @returns whether the changed impulses are; z is then overwritten
-  bool balance(Vector& z, int power);
+  bool balance(Vector& z, int power, double touching);
 
  private:
   void add_missing_momentum();

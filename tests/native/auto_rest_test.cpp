@@ -11,6 +11,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
+#include "tests/support/brick_wall.h"
 
 // The problems of rest/*: where rest is a solution by construction, `auto` returns it, whatever it begins with.
 
@@ -142,6 +143,30 @@ TEST(AutoRestTest, APinchedCubeDoesNotTurn) {
   solver->solve({}, answer);
   EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
   ASSERT_EQ(answer.velocity.size(), 8);
+  EXPECT_FALSE(answer.velocity.any()) << answer.velocity.transpose();
+}
+
+// The bricks at both ends stand on the edges of those below, half of them in the air. A speed of rounding that turns them
+// inward is held by contacts that carried nothing before.
+TEST(AutoRestTest, BricksOnAnEdgeRestAfterRounding) {
+  constexpr int kRows = 6, kColumns = 8;
+  RigidScene wall = testing::frictional_brick_wall(kRows, kColumns, 0.5);
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      RigidBody& brick = wall.bodies[static_cast<std::size_t>(row * kColumns + column)];
+      const bool hangs_left = row > 0 && row % 2 == 0 && column == 0;
+      const bool hangs_right = row % 2 == 1 && column + 1 == kColumns;
+      brick.linear_velocity = {0, 0, -0.05};
+      brick.angular_velocity = {0, hangs_left ? 1e-14 : hangs_right ? -1e-14 : 0.0, 0};
+    }
+  }
+  const Problem problem("wall", wall);
+  const auto solver = make_solver(parse_spec("auto"));
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  ASSERT_GT(answer.velocity.size(), 0) << answer.detail;
   EXPECT_FALSE(answer.velocity.any()) << answer.velocity.transpose();
 }
 
