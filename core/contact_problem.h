@@ -151,9 +151,9 @@ enum class InverseProof {
 
 /// G*, dense, in double: the inverse of a regular G, the pseudo-inverse of a singular one.
 ///
-/// Factors in double where they give the proof, or prove that the factors of G are independent; else factors in 113
-/// bits that prove it, else exact integers (ExactResponse), in each case rounded. Where none of these decides,
-/// eigenvalues below ngc eps of the largest count as zero. O(ngc^3).
+/// Factors in double where they give the proof, or prove that the factors of G are independent; else that of
+/// QuadInertia, rounded. Where neither decides, eigenvalues below ngc eps of the largest count as zero.
+/// O(ngc^3).
 Matrix inverse_inertia(const Inertia& inertia, InverseProof proof = InverseProof::kRegular);
 
 /// Whether G is so far from singular that the inverse of its factors in double proves it: the trace of the inverse of G

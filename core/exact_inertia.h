@@ -12,7 +12,7 @@ namespace lcpbench {
 /// seconds, one of twelve coordinates a millisecond or two.
 inline constexpr Index kMostExactCoordinates = 64;
 
-/// G* of an inertia without any rounding: the definition that solvers, evaluation and certificates share.
+/// G* of an inertia without any rounding: the definition that proofs of native solvers and certificates share.
 ///
 /// The numbers of the problem are the truth. G* is the inverse of a positive definite G. Of a singular G it is the
 /// pseudo-inverse, B (B'G B)^-1 B' with any basis B of the range of G; G = X diag(alpha) X' has the range of X.

@@ -30,8 +30,8 @@ Matrix pseudo_inverse_by_eigenvalues(const Matrix& G, Index& independent) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// G* where factors in double are not proof enough: by factors in 113 bits or exact integers, rounded, or by
-/// eigenvalues where these give no G*.
+/// G* where factors in double are not proof enough: by factors in 113 bits, rounded, or by eigenvalues where these give
+/// no G*.
 Matrix precise_inverse(const Inertia& inertia) {
   const QuadInertia precise(inertia);
   if (!precise.well_defined() || precise.is_cut()) {

@@ -5,8 +5,8 @@
 namespace lcpbench {
 
 Quad sqrt(Quad x) {
-  if (!(x > 0)) return 0;
-  if (!is_finite(x)) return x;
+  if (x <= 0) return 0;
+  if (!is_finite(x)) return x;  // NaN, too
   Quad scale = 1;
   while (x > 0x1p1000) {
     x *= 0x1p-400;

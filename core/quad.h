@@ -26,7 +26,7 @@ inline Quad abs(Quad x) { return x < 0 ? -x : x; }
 inline bool is_finite(Quad x) { return x - x == 0; }
 
 /// Square root of x >= 0 to within two units in the last place (two Newton steps from the double result).
-/// Returns 0 for x <= 0 and for NaN, infinity for infinity; arguments outside the range of double are scaled by powers
+/// Returns 0 for x <= 0, NaN for NaN, infinity for infinity; arguments outside the range of double are scaled by powers
 /// of four.
 Quad sqrt(Quad x);
 

@@ -1,15 +1,19 @@
 #include "core/quad_inertia.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace lcpbench {
 namespace {
 
-/// Proven of a matrix scaled to unit diagonal, the first that can be: what 113 bits lose grows with the inverse.
-constexpr std::array kLeastEigenvalues{0x1p-10, 0x1p-20, 0x1p-40, 0x1p-64};
+/// Proven of the eigenvalues of a matrix scaled to unit diagonal.
+constexpr double kLeastEigenvalue = 0x1p-64;
+/// Of the length of a column outside the range so far: what rounding may leave of a dependent one, and what at least is
+/// outside of an independent one. Of a row, what at least is outside the span of those before it.
+constexpr double kLeft = 0x1p-104;
+constexpr double kOutside = 0x1p-90;
+constexpr double kLeastLength = 0x1p-64;
 
 Quad dot(const QuadMatrix& A, std::size_t column, const QuadMatrix& B, std::size_t other) {
   Quad sum = 0;
@@ -37,10 +41,12 @@ QuadMatrix leading_columns(const QuadMatrix& A, std::size_t count) {
   return leading;
 }
 
-// Orthonormal basis of the span of X's columns, which are independent. The column chosen is orthogonalized once more:
+// Orthonormal basis of the span of X's columns, each of which adds at least kOutside of its length. @param left  of a
+// length, what is outside at most. The column chosen is orthogonalized once more:
 // what the rounding of the earlier steps left along the basis would otherwise grow with the cancellation. [Giraud,
 // Langou, Rozloznik 2005]
-QuadMatrix orthonormal_range(QuadMatrix X) {
+QuadMatrix orthonormal_range(QuadMatrix X, Quad& left) {
+  left = 0;
   scale_to_unit_length(X);
   QuadMatrix basis(X.rows, std::min(X.rows, X.cols));
   std::vector<bool> used(X.cols, false);
@@ -53,7 +59,10 @@ QuadMatrix orthonormal_range(QuadMatrix X) {
       square = candidate;
       longest = j;
     }
-    if (!(square > 0)) return leading_columns(basis, rank);
+    if (!(square > kOutside * kOutside)) {
+      left = sqrt(square);
+      return leading_columns(basis, rank);
+    }
     for (std::size_t b = 0; b < rank; ++b) remove_component(basis, b, X, longest);
     const Quad length = sqrt(dot(X, longest, X, longest));
     for (std::size_t i = 0; i < X.rows; ++i) basis(i, rank) = X(i, longest) / length;
@@ -63,6 +72,22 @@ QuadMatrix orthonormal_range(QuadMatrix X) {
     }
   }
   return basis;
+}
+
+// The same, but `left` is 1 where the rank is another one with all rows scaled to unit length: a column that differs
+// from others in a light coordinate alone seems to depend on them.
+QuadMatrix visible_range(const QuadMatrix& X, Quad& left) {
+  QuadMatrix scaled = X;
+  for (std::size_t i = 0; i < X.rows; ++i) {
+    Quad square = 0;
+    for (std::size_t j = 0; j < X.cols; ++j) square += X(i, j) * X(i, j);
+    for (std::size_t j = 0; j < X.cols && square > 0; ++j) scaled(i, j) /= sqrt(square);
+  }
+  const std::size_t rank = orthonormal_range(std::move(scaled), left).cols;
+  const bool is_visible = left <= kLeft;
+  QuadMatrix range = orthonormal_range(X, left);
+  if (!is_visible || range.cols != rank) left = 1;
+  return range;
 }
 
 bool all_within(const QuadMatrix& A, Quad bound) {
@@ -99,12 +124,26 @@ std::optional<QuadMatrix> pivoted_columns(QuadMatrix G) {
   return X;
 }
 
-/// The first of kLeastEigenvalues that is proven of A; 0 where none is.
-double proven_least(const QuadMatrix& A, std::size_t formation_terms) {
-  const auto proven =
-      std::find_if(kLeastEigenvalues.begin(), kLeastEigenvalues.end(),
-                   [&](double least) { return lcpbench::proven_positive_definite(A, formation_terms, least); });
-  return proven == kLeastEigenvalues.end() ? 0 : *proven;
+/// B'G B
+QuadMatrix projected(const QuadMatrix& G, const QuadMatrix& B) {
+  QuadMatrix projection(B.cols, B.cols);
+  for (std::size_t j = 0; j < B.cols; ++j) {
+    QuadVector column(B.rows);
+    for (std::size_t i = 0; i < B.rows; ++i) column[i] = B(i, j);
+    const QuadVector moved = multiply_transposed(B, multiply(G, column.data()).data());
+    for (std::size_t i = 0; i <= j; ++i) projection(i, j) = projection(j, i) = moved[i];
+  }
+  return projection;
+}
+
+/// Whether all eigenvalues of B'G B stand out of its rounding, which is that of its largest entries.
+bool has_gap(const QuadMatrix& projection) {
+  Quad least = std::numeric_limits<double>::infinity(), largest = 0;
+  for (std::size_t i = 0; i < projection.rows; ++i) {
+    least = std::min(least, projection(i, i));
+    largest = std::max(largest, projection(i, i));
+  }
+  return least >= 0x1p-40 * largest && proven_positive_definite(projection, 2 * projection.rows, kLeastEigenvalue);
 }
 
 /// X'X
@@ -114,12 +153,6 @@ QuadMatrix gram_of_columns(const QuadMatrix& X) {
     for (std::size_t j = 0; j <= i; ++j) gram(i, j) = gram(j, i) = dot(X, i, X, j);
   }
   return gram;
-}
-
-double length(const Quad* x, std::size_t n) {
-  Quad square = 0;
-  for (std::size_t i = 0; i < n; ++i) square += x[i] * x[i];
-  return to_double(sqrt(square));
 }
 
 }  // namespace
@@ -149,7 +182,7 @@ void QuadInertia::add(Block block) {
 void QuadInertia::add_inertia(const Matrix& G) {
   Block block;
   block.matrix = QuadMatrix(Matrix(G.selfadjointView<Eigen::Lower>()));
-  if (!factor_regular(block)) resolve(DenseInertia{G}, block);
+  if (!factor_regular(block, 0)) find_range(block);
   add(std::move(block));
 }
 
@@ -158,44 +191,56 @@ void QuadInertia::add_factors(const FactoredInertia& factors) {
   const QuadVector alpha(factors.alpha.begin(), factors.alpha.end());
   Block block;
   block.matrix = weighted_gram(X, alpha);
-  block.formation_terms = X.cols + 2;
   well_defined_ = well_defined_ && (factors.alpha.array() >= 0).all();
-  const bool known = X.cols < X.rows ? factor_independent(block, X, alpha) : factor_regular(block);
-  if (!known && well_defined_) resolve(factors, block);
+  const bool known = X.cols < X.rows ? factor_independent(block, X, alpha) : factor_regular(block, X.cols + 2);
+  if (!known && well_defined_) {
+    QuadMatrix weighted = X;
+    for (std::size_t k = 0; k < X.cols; ++k) {
+      const Quad root = sqrt(alpha[k]);
+      for (std::size_t i = 0; i < X.rows; ++i) weighted(i, k) *= root;
+    }
+    find_range(block, weighted);
+  }
   add(std::move(block));
 }
 
-/// What 113 bits left in doubt: in exact integers.
-void QuadInertia::resolve(const Inertia& inertia, Block& block) {
-  bool indefinite = false;
-  block.exact = ExactResponse::of(inertia, &indefinite);
-  if (block.exact) {
-    needs_exact_ = true;
-    const std::optional<Matrix>& range = block.exact->blocks().front().range;
-    if (range) block.range = orthonormal_range(QuadMatrix(*range));
-  } else if (indefinite) {
-    cut(block);
+/// For G = W W': B'G B is factored without forming it.
+void QuadInertia::find_range(Block& block, const QuadMatrix& W) {
+  Quad left = 0;
+  block.range = visible_range(W, left);
+  QuadMatrix inside = W;
+  if (block.range->cols == block.size()) {
+    block.range.reset();
   } else {
+    inside = QuadMatrix(block.range->cols, W.cols);
+    for (std::size_t j = 0; j < W.cols; ++j) {
+      for (std::size_t i = 0; i < inside.rows; ++i) inside(i, j) = dot(*block.range, i, W, j);
+    }
+  }
+  if (left > kLeft || !block.factor.factor_product(std::move(inside), kLeastLength)) unresolved_ = true;
+}
+
+/// For a given G.
+void QuadInertia::find_range(Block& block) {
+  Quad left = 0;
+  block.range = visible_range(block.matrix, left);
+  const QuadMatrix projection = projected(block.matrix, *block.range);
+  if (!block.factor.factor(projection)) {
+    cut(block);
+  } else if (left > kLeft || projection.rows == block.size() || !has_gap(projection)) {
     unresolved_ = true;
   }
 }
 
-/// G* of a block that is indefinite in exact arithmetic: with the range of the columns that stand out of its rounding.
+/// G* of a block that is indefinite: with the range of the columns that stand out of its rounding.
 void QuadInertia::cut(Block& block) {
   const std::optional<QuadMatrix> columns = pivoted_columns(block.matrix);
   is_cut_ = true;
   well_defined_ = well_defined_ && columns;
   if (!well_defined_) return;
-  block.range = orthonormal_range(*columns);
-  const QuadMatrix& range = *block.range;
-  QuadMatrix projected(range.cols, range.cols);
-  for (std::size_t j = 0; j < range.cols; ++j) {
-    QuadVector column(range.rows);
-    for (std::size_t i = 0; i < range.rows; ++i) column[i] = range(i, j);
-    const QuadVector moved = multiply_transposed(range, multiply(block.matrix, column.data()).data());
-    for (std::size_t i = 0; i < range.cols; ++i) projected(i, j) = moved[i];
-  }
-  well_defined_ = block.factor.factor(projected);
+  Quad left = 0;
+  block.range = orthonormal_range(*columns, left);
+  well_defined_ = block.factor.factor(projected(block.matrix, *block.range));
 }
 
 void QuadInertia::add_inverse(const Matrix& Ginv) {
@@ -207,9 +252,9 @@ void QuadInertia::add_inverse(const Matrix& Ginv) {
 }
 
 /// Factors a block that is regular beyond doubt.
-bool QuadInertia::factor_regular(Block& block) {
-  block.least = proven_least(block.matrix, block.formation_terms);
-  return block.least > 0 && block.factor.factor(block.matrix);
+bool QuadInertia::factor_regular(Block& block, std::size_t formation_terms) {
+  return lcpbench::proven_positive_definite(block.matrix, formation_terms, kLeastEigenvalue) &&
+         block.factor.factor(block.matrix);
 }
 
 /// Takes factors that are independent beyond doubt, if every alpha is positive. @returns whether they are
@@ -217,22 +262,20 @@ bool QuadInertia::factor_independent(Block& block, const QuadMatrix& X, const Qu
   QuadMatrix columns = X;
   scale_to_unit_length(columns);
   const QuadMatrix gram = gram_of_columns(columns);
-  const double least = proven_least(gram, X.rows + 6);
-  if (least == 0 || !block.factor.factor(gram)) return false;
+  if (!lcpbench::proven_positive_definite(gram, X.rows + 6, kLeastEigenvalue) || !block.factor.factor(gram))
+    return false;
   for (std::size_t k = 0; k < X.cols; ++k) {
     if (!(alpha[k] > 0)) return false;
     block.weights.push_back(alpha[k] * dot(X, k, X, k));
   }
-  block.least = least;
-  block.range = orthonormal_range(columns);
+  Quad left = 0;
+  block.range = orthonormal_range(columns, left);
   block.columns = std::move(columns);
   return true;
 }
 
 void QuadInertia::Block::solve(Quad* x) const {
-  if (exact) {
-    exact->blocks().front().multiply(x);
-  } else if (is_inverse) {
+  if (is_inverse) {
     const QuadVector y = multiply(matrix, x);
     std::copy(y.begin(), y.end(), x);
   } else if (columns || range) {
@@ -250,53 +293,11 @@ void QuadInertia::Block::solve(Quad* x) const {
   }
 }
 
-/// With A the matrix that was factored, scaled to unit diagonal, |A^-1| <= 1 / least, and an entry of it or of its
-/// factors rounded n + formation_terms times: a regular block loses |j'G^-1 E y| <= |L^-1 j| |E| |A^-1| |L'y|, with
-/// |L^-1 j|^2 <= sum of j_i^2 / (least G_ii) and |L'y|^2 = x'y. Few factors C lose up to |C A^-1| |A^-1 C'x| |A^-1| |E|
-/// over the least weight, where |C A^-1|^2 <= 1 / least.
-void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, double* bounds) const {
-  const std::size_t n = size();
-  const double unit = 0x1p-108 * static_cast<double>((n + 1) * (n + formation_terms + 10));
-  if (is_inverse || exact) {
-    const auto entry = [&](std::size_t i, std::size_t j) {
-      if (!exact) return matrix(i, j);
-      const ExactResponse::Block& block = exact->blocks().front();
-      return quotient(block.numerator(static_cast<Index>(i), static_cast<Index>(j)), block.denominator);
-    };
-    for (std::size_t i = 0; i < n; ++i) {
-      Quad sum = 0;
-      for (std::size_t j = 0; j < n; ++j) sum += abs(entry(i, j)) * terms[j];
-      bounds[i] = unit * to_double(sum);
-    }
-  } else if (columns) {
-    if (weights.empty()) return;  // G* is zero
-    const double lightest = to_double(*std::min_element(weights.begin(), weights.end()));
-    std::fill(bounds, bounds + n, unit * length(terms, n) / (least * least * lightest));
-  } else if (least > 0) {
-    Quad energy = 0, of_terms = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      energy += x[i] * y[i];
-      of_terms += terms[i] * terms[i] / matrix(i, i);
-    }
-    const double size = unit / least * (to_double(sqrt(abs(energy))) + to_double(sqrt(of_terms)));
-    for (std::size_t i = 0; i < n; ++i) bounds[i] = size / std::sqrt(least * to_double(matrix(i, i)));
-  }  // others are cut by definition
-}
-
-std::vector<double> QuadInertia::rounding(const QuadVector& x, const QuadVector& terms, const QuadVector& y) const {
-  std::vector<double> bounds(dimension_, 0);
-  for (const Block& block : blocks_) {
-    const std::size_t at = block.offset;
-    block.bound(x.data() + at, terms.data() + at, y.data() + at, bounds.data() + at);
-  }
-  return bounds;
-}
-
 bool QuadInertia::proven_positive_definite() const {
-  return std::all_of(blocks_.begin(), blocks_.end(), [](const Block& block) {
-    if (block.is_inverse) return lcpbench::proven_positive_definite(block.matrix, 0);
-    return !block.range && (block.exact || block.least > 0);
-  });
+  return well_defined() && std::all_of(blocks_.begin(), blocks_.end(), [](const Block& block) {
+           if (block.is_inverse) return lcpbench::proven_positive_definite(block.matrix, 0);
+           return !block.range;
+         });
 }
 
 void QuadInertia::solve(QuadVector& x) const {

@@ -4,18 +4,20 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "core/exact_inertia.h"
 #include "core/quad_matrix.h"
 
 namespace lcpbench {
 
-/// The inertia G of a contact problem and its (pseudo-)inverse G*, in 113-bit arithmetic: the definition of
-/// ExactResponse, with a bound on the rounding.
+/// The inertia G of a contact problem and its (pseudo-)inverse G*, in 113-bit arithmetic.
 ///
 /// - G regular: G* = G^-1 by LDL', where G scaled to unit diagonal is proven to have no eigenvalue below 2^-64.
 /// - Fewer factors than coordinates: G* = X K^-1 diag(alpha)^-1 K^-1 X' with K = X'X, where the same is proven of K.
-/// - Where neither is proven, exact integers decide and give G*, up to kMostExactCoordinates. Beyond, the inertia is
-///   unresolved.
+/// - Where neither is proven, pivoting finds the rank. G* = B (B'G B)^-1 B' with an orthonormal basis B of the range.
+///   The rank has to have a visible gap: each column of B adds at least 2^-90 of the length of one of G or X, and at
+///   most 2^-104 of the length of each is left outside. Of factors W = X diag(alpha)^1/2, each row of B'W has 2^-64 of
+///   its length outside the span of the rows before it. B'G B of a given G has no diagonal entry below 2^-40 of the
+///   largest, and scaled to unit diagonal it is proven to have no eigenvalue below 2^-64. The rank is the same, with
+///   the same gap, when the rows of G or W are scaled to unit length. Without a gap the inertia is unresolved.
 /// - A given G, or block, that is indefinite by rounding: its pivoted LDL' is cut at n 2^-52 max G_ii, and G* is the
 ///   pseudo-inverse with the range of the columns kept.
 /// - G* given: it is used as it is; G is then unknown.
@@ -27,16 +29,10 @@ class QuadInertia {
 
   /// False when no G* could be made of the data (not finite, indefinite, or unresolved): solve() must not be called.
   bool well_defined() const { return well_defined_ && !unresolved_; }
-  /// Neither 113 bits nor exact integers of the length that is allowed tell what G* is.
+  /// 113 bits do not tell the rank.
   bool unresolved() const { return unresolved_; }
-  /// Whether 113 bits did not tell what G* of some block is, and exact integers did.
-  bool needs_exact() const { return needs_exact_; }
-  /// Whether a block is indefinite by rounding: exact arithmetic has no G* of it.
+  /// Whether a block is indefinite by rounding: its G* is a matter of definition.
   bool is_cut() const { return is_cut_; }
-
-  /// A bound b_i by coordinate: rounding of y = G* x and of x = J f changes no j'y by more than the sum of |j_i| b_i.
-  /// `terms` = |J| |f|. 0 for a block that is cut.
-  std::vector<double> rounding(const QuadVector& x, const QuadVector& terms, const QuadVector& y) const;
 
   /// False when only G* was given: apply() and scale() must not be called.
   bool has_inertia() const { return has_inertia_; }
@@ -64,26 +60,23 @@ class QuadInertia {
   struct Block {
     std::size_t offset = 0;
     QuadMatrix matrix;                ///< G, or the given G*
-    std::size_t formation_terms = 0;  ///< roundings that forming an entry of `matrix` took
     bool is_inverse = false;
     std::optional<QuadMatrix> range;    ///< size x rank, orthonormal; empty when the rank is full
     std::optional<QuadMatrix> columns;  ///< independent factors, scaled to unit length
     QuadVector weights;                 ///< alpha_k |x_k|^2, so that G = columns diag(weights) columns'
     QuadCholesky factor;                ///< of G, or of columns'columns, or of range' G range
-    double least = 0;                   ///< proven of the eigenvalues of what is factored, scaled to unit diagonal
-    std::optional<ExactResponse> exact;
 
     std::size_t size() const { return matrix.rows; }
     void solve(Quad* x) const;
-    void bound(const Quad* x, const Quad* terms, const Quad* y, double* bounds) const;
   };
 
   void add_inertia(const Matrix& G);
   void add_factors(const FactoredInertia& factors);
   void add_inverse(const Matrix& Ginv);
-  void resolve(const Inertia& inertia, Block& block);
+  void find_range(Block& block, const QuadMatrix& W);
+  void find_range(Block& block);
   void cut(Block& block);
-  static bool factor_regular(Block& block);
+  static bool factor_regular(Block& block, std::size_t formation_terms);
   static bool factor_independent(Block& block, const QuadMatrix& X, const QuadVector& alpha);
   void add(Block block);
 
@@ -93,7 +86,6 @@ class QuadInertia {
   bool well_defined_ = true;
   bool has_inertia_ = true;
   bool unresolved_ = false;
-  bool needs_exact_ = false;
   bool is_cut_ = false;
 };
 

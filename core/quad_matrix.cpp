@@ -64,6 +64,27 @@ bool QuadCholesky::factor(const QuadMatrix& A) {
   return true;
 }
 
+bool QuadCholesky::factor_product(QuadMatrix C, double least) {
+  const std::size_t n = C.rows;
+  L_ = QuadMatrix(n, n);
+  pivots_.assign(n, 0);
+  const auto product = [&C](std::size_t i, std::size_t j) {
+    Quad sum = 0;
+    for (std::size_t k = 0; k < C.cols; ++k) sum += C(i, k) * C(j, k);
+    return sum;
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const Quad whole = product(i, i);
+    for (std::size_t j = 0; j < i; ++j) {
+      L_(i, j) = product(i, j) / pivots_[j];
+      for (std::size_t k = 0; k < C.cols; ++k) C(i, k) -= L_(i, j) * C(j, k);
+    }
+    pivots_[i] = product(i, i);
+    if (!(pivots_[i] > 0) || !(pivots_[i] >= Quad{least} * least * whole) || !is_finite(pivots_[i])) return false;
+  }
+  return true;
+}
+
 void QuadCholesky::solve(Quad* x) const {
   const std::size_t n = size();
   for (std::size_t i = 0; i < n; ++i) {

@@ -43,6 +43,10 @@ class QuadCholesky {
   /// Factors the lower triangle of A (n x n). False, and unusable, unless every pivot is positive and finite.
   bool factor(const QuadMatrix& A);
 
+  /// Factors A = C C' without forming it, by orthogonalizing the rows of C, whose condition is the root of A's. False,
+  /// and unusable, unless at least `least` of the length of each row is outside the span of those before it.
+  bool factor_product(QuadMatrix C, double least);
+
   /// x := A^-1 x, for n entries. O(n^2).
   void solve(Quad* x) const;
 

@@ -179,7 +179,7 @@ std::vector<CertifiedSet> CertificateTable::counts(const CertifyScope& scope) {
 
 std::vector<std::string> CertificateTable::contradictions(const CertifyScope& scope) {
   // The exact residual is at least the violation of the contacts, and that is at least the certified bound. The stored
-  // residual may be off by kSettled of itself, which the factor 1.000001 allows for. An answer to an unsolvable problem
+  // residual may be off by 2^-30 of itself, which the factor 1.000001 allows for. An answer to an unsolvable problem
   // may pass the evaluation, which has a tolerance: that contradicts no proof.
   Statement query(
       store_.database(),

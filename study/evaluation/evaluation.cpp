@@ -1,15 +1,12 @@
 #include "study/evaluation/evaluation.h"
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
-#include <memory_resource>
+#include <limits>
 #include <optional>
 #include <stdexcept>
-#include <type_traits>
 
 #include "core/compliance.h"
-#include "core/exact_inertia.h"
+#include "core/quad_inertia.h"
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/contact_evaluation.h"
 #include "study/evaluation/farkas.h"
@@ -44,98 +41,63 @@ bool rest_satisfies(const ContactProblem& problem) {
 /// Readers allow a given G* to be indefinite by rounding.
 bool has_semidefinite_response(const Inertia& inertia) {
   const auto* given = std::get_if<InverseInertia>(&inertia);
-  return given == nullptr || ExactResponse::of(DenseInertia{given->Ginv}).has_value();
+  if (given == nullptr) return true;
+  const QuadInertia response(DenseInertia{given->Ginv});
+  return response.well_defined() && !response.is_cut();
 }
 
 }  // namespace
 
 struct Evaluator::Data {
-  Data(const Problem& the_problem, Precision precision) : problem(the_problem) {
+  explicit Data(const Problem& the_problem) : problem(the_problem) {
     if (!why_not({}, problem).empty()) return;  // it has NaN or infinity
-    if (const ContactProblem* data = problem.contact()) {
-      islands.emplace(row_islands(*data));
-      if (precision == Precision::kAsNeeded) first.emplace(*data, *islands, &memory);
-      if (first && !first->lcp) first.reset();
-    } else {
-      islands.emplace(row_islands(problem.lcp().M));
-    }
+    const ContactProblem* const data = problem.contact();
+    islands.emplace(data != nullptr ? row_islands(*data) : row_islands(problem.lcp().M));
+    if (data != nullptr) contact.emplace(*data, *islands);
   }
 
-  // The contact problem in 113 bits, made when it is first needed.
-  ContactEvaluation<Quad>& in_quad() {
-    if (!quad) {
-      quad.emplace(*problem.contact(), *islands, &memory);
-      if (v_star) quad->v_star = numbers<Quad>(*v_star);
-    }
-    return *quad;
-  }
-
-  // What `of` gives in Bounded arithmetic, or else in 113 bits.
-  template <class Of>
-  auto measured(const Of& of) {
-    if (first) {
-      try {
-        return of(*first);
-      } catch (const Doubt&) {
-      }
-    }
-    return of(in_quad());
-  }
-
-  // Enough for a step of one robot, where allocations one by one would take a fifth of the time.
-  std::array<std::byte, 1 << 14> small;
-  std::pmr::monotonic_buffer_resource memory{small.data(), small.size()};
-  Problem problem;  // keeps the data alive that the others refer to
+  Problem problem;                    // keeps the data alive that the others refer to
   std::optional<IslandRows> islands;  // none where the data are not finite: then nothing is measured
-  std::optional<ContactEvaluation<Bounded>> first;
-  std::optional<ContactEvaluation<Quad>> quad;
-  std::optional<Vector> v_star;
+  std::optional<ContactEvaluation> contact;
 };
 
 namespace {
 
 // False when the answer has no measures.
-template <class Real>
-bool measure_rows(const std::vector<Real>& z, const std::vector<Real>& u, const std::vector<Real>& w, Errors& errors) {
-  if (!all_finite(w) || !all_finite(u)) {
-    if (std::is_same_v<Real, Bounded>) throw Doubt();
-    return false;
-  }
+bool measure_rows(const QuadVector& z, const QuadVector& u, const QuadVector& w, Errors& errors) {
+  if (!all_finite(w) || !all_finite(u)) return false;
   errors.min_z = z.empty() ? 0 : std::numeric_limits<double>::infinity();
-  for (const Real& value : z) errors.min_z = std::min(errors.min_z, to_double(value));
-  if (all_complementary(z, w)) {
-    errors.natural_residual = errors.complementarity_j = 0;
-    return true;
-  }
-  Real natural = 0;
+  for (const Quad value : z) errors.min_z = std::min(errors.min_z, to_double(value));
+  Quad natural = 0, sum = 0;
   for (std::size_t i = 0; i < z.size(); ++i) {
-    if (!is_complementary(z[i], w[i])) natural = larger(natural, abs(smaller(z[i], w[i])));
+    if (is_complementary(z[i], w[i])) continue;
+    natural = larger(natural, abs(smaller(z[i], w[i])));
+    sum += z[i] * w[i];
   }
-  errors.natural_residual = settled(natural);
-  errors.complementarity_j = settled(dot(z, w));
+  errors.natural_residual = to_double(natural);
+  errors.complementarity_j = to_double(sum);
   return true;
 }
 
-template <class Real>
-Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Errors errors) {
-  if constexpr (std::is_same_v<Real, Quad>) errors.unresolved = contact.inertia.unresolved();
+Errors contact_errors(ContactEvaluation& contact, const Answer& answer, Errors errors) {
+  errors.unresolved = contact.inertia.unresolved();
   if (!contact.lcp) return errors;
-  const std::vector<Real> z = numbers<Real>(answer.z);
-  std::vector<Real> u, w;
-  if (!contact.respond(answer.z, z, u, w)) {
-    errors.unresolved = true;
-    return errors;
+  const QuadVector z = numbers(answer.z);
+  const QuadVector u = contact.lcp->response(z), w = contact.lcp->all_rows(z, u);
+  const Errors unmeasured = errors;
+  if (measure_rows(z, u, w, errors)) {
+    contact.measure(z, u, w, errors);
+    ReturnedVelocity returned(contact, z, u);
+    errors.velocity_mismatch = returned.mismatch(answer.velocity);
+    returned.measure(answer.velocity, errors);
   }
-  if (!measure_rows(z, u, w, errors)) return errors;
-  contact.measure(z, u, w, errors);
-  ReturnedVelocity<Real> returned(contact, z, u);
-  errors.velocity_mismatch = returned.mismatch(answer.velocity);
-  returned.measure(answer.velocity, errors);
+  if (!contact.inertia.well_defined()) errors = unmeasured;  // 113 bits were needed, and found no G*
+  errors.unresolved = contact.inertia.unresolved();
   return errors;
 }
 
 Errors bare_errors(const Lcp& lcp, const IslandRows& islands, const Answer& answer, Errors errors) {
-  const QuadVector z = numbers<Quad>(answer.z);
+  const QuadVector z = numbers(answer.z);
   const QuadVector w = complement(lcp, z);
   if (!measure_rows(z, w, w, errors)) return errors;
   const BackwardError backward = backward_error(lcp, z, w, islands);
@@ -151,7 +113,7 @@ Errors bare_errors(const Lcp& lcp, const IslandRows& islands, const Answer& answ
 
 }  // namespace
 
-Evaluator::Evaluator(const Problem& problem, Precision precision) : data_(std::make_unique<Data>(problem, precision)) {}
+Evaluator::Evaluator(const Problem& problem) : data_(std::make_unique<Data>(problem)) {}
 Evaluator::~Evaluator() = default;
 
 Errors Evaluator::errors(const Answer& answer) {
@@ -159,13 +121,9 @@ Errors Evaluator::errors(const Answer& answer) {
   errors.usable = answer.claim != Claim::kUnsupported && answer.z.size() == data_->problem.size() &&
                   answer.z.allFinite();  // a refusal has no answer, also where an answer has no numbers
   if (!errors.usable || !data_->islands) return errors;
-  if (data_->problem.contact() == nullptr && data_->problem.lcp().is_mixed()) {
-    return mixed_errors(data_->problem.lcp(), answer.z);
-  }
-  if (data_->problem.contact() == nullptr) {
-    return bare_errors(data_->problem.lcp(), *data_->islands, answer, errors);
-  }
-  return data_->measured([&](auto& contact) { return contact_errors(contact, answer, errors); });
+  if (data_->contact) return contact_errors(*data_->contact, answer, errors);
+  const Lcp& lcp = data_->problem.lcp();
+  return lcp.is_mixed() ? mixed_errors(lcp, answer.z) : bare_errors(lcp, *data_->islands, answer, errors);
 }
 
 Judgement Evaluator::judge(const Answer& answer) {
@@ -180,14 +138,9 @@ Judgement Evaluator::judge(const Answer& answer) {
 
 double Evaluator::forward_velocity(const Answer& answer) {
   const bool usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
-  if (!usable || !data_->islands || data_->problem.contact() == nullptr) return Errors::kNone;
-  return data_->measured([&]<class Real>(ContactEvaluation<Real>& contact) {
-    if (!contact.lcp) return Errors::kNone;
-    const std::vector<Real> v_plus = contact.lcp->response(numbers<Real>(answer.z));
-    if (all_finite(v_plus)) return contact.forward_velocity(v_plus);
-    if (std::is_same_v<Real, Bounded>) throw Doubt();
-    return Errors::kNone;
-  });
+  if (!usable || !data_->contact || !data_->contact->lcp) return Errors::kNone;
+  const QuadVector v_plus = data_->contact->lcp->response(numbers(answer.z));
+  return all_finite(v_plus) ? data_->contact->forward_velocity(v_plus) : Errors::kNone;
 }
 
 void Evaluator::set_certified_velocity(const Vector& v_star) {
@@ -195,9 +148,7 @@ void Evaluator::set_certified_velocity(const Vector& v_star) {
   if (problem == nullptr || v_star.size() != problem->ngc() || !v_star.allFinite()) {
     throw std::invalid_argument("set_certified_velocity: needs a contact problem and ngc finite entries");
   }
-  data_->v_star = v_star;
-  if (data_->first) data_->first->v_star = numbers<Bounded>(v_star);
-  if (data_->quad) data_->quad->v_star = numbers<Quad>(v_star);
+  if (data_->contact) data_->contact->v_star = numbers(v_star);
 }
 
 Truth Evaluator::truth() const {
@@ -209,9 +160,7 @@ Truth Evaluator::truth() const {
   if (!(problem.mu.array() >= 0).all()) return Truth::kUnknown;
   if (every_contact_yields(problem) && has_semidefinite_response(problem.inertia)) return Truth::kSolvable;
   if (!rest_satisfies(problem)) return Truth::kUnknown;
-  const bool proven = (data_->first && data_->first->inertia.proven_positive_definite()) ||
-                      data_->in_quad().inertia.proven_positive_definite();
-  return proven ? Truth::kSolvable : Truth::kUnknown;
+  return data_->contact->inertia.proven_positive_definite() ? Truth::kSolvable : Truth::kUnknown;
 }
 
 bool Evaluator::check_farkas(const Vector& u) const {

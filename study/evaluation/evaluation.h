@@ -46,8 +46,7 @@ struct WorstCoordinate {
   double implied = 0;
 };
 
-/// The error measures of one answer, all from the raw data in 113-bit arithmetic or in sums of two doubles with a bound
-/// on their rounding, by code that knows no solver.
+/// The error measures of one answer, all from the raw data in 113-bit arithmetic, by code that knows no solver.
 ///
 /// v+ = v + G* (N f_N + D f_D) is recomputed from z. w is the complement of z: N'v+ + b [m/s], D'v+ + lambda [m/s], and
 /// mu f_N less the sum of the contact's f_D [N s]. Quotients follow 0/0 = 0 and x/0 = infinity.
@@ -94,7 +93,7 @@ struct Errors {
   double complementarity_j = kNone;  ///< z'w
   double cone_violation = kNone;     ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
   double min_z = kNone;              ///< 0 for n = 0
-  /// Of the convex model no less than |v+ - v*|_G / |v+ - v|_G, v* the only optimum's: see measure_friction().
+  /// Of the convex model about |v+ - v*|_G / |v+ - v|_G or more, v* the only optimum's: see measure_friction().
   double optimum_distance = kNone;
   /// Of a valid proof u that came with an answer to a contact problem, -u'(N'v + b) / sum(u): no impulses violate all
   /// contacts by less. Rounded down.
@@ -102,8 +101,8 @@ struct Errors {
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
-  /// Not measured: no arithmetic of the measures resolves G* or its products with the data (see ExactResponse), or the
-  /// friction directions name no round cone, by which the answer is to be measured.
+  /// Not measured: 113 bits do not tell what G* is (see QuadInertia), or the friction directions name no round cone, by
+  /// which the answer is to be measured.
   bool unresolved = false;
   double limit = kSolvedVelocityResidual;  ///< on measure(), by which `solved` was decided
   /// measure() <= limit, r is no overflow, and velocity_passes().
@@ -264,23 +263,14 @@ const char* to_string(Verdict verdict);
 /// The verdict on an answer, by the rule.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 
-/// In which arithmetic answers are evaluated.
-enum class Precision {
-  kAsNeeded,  ///< contact problems in Bounded arithmetic, and in 113 bits what its bounds leave in doubt
-  kQuad,      ///< all in 113 bits: what the other is compared with
-};
-
 /// Evaluates answers to one problem. Parts of M are formed when an answer first needs them; M as a whole never is for a
 /// contact problem. One object per thread.
 ///
-/// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. Where the
-/// rounding of G* in 113 bits may matter, velocities and residuals are those of exact arithmetic, too. A measure of a
-/// contact problem may differ from its value in 113 bits by kSettled of it, the velocity mismatch also by
-/// kSettledByData, the model's error also by kSettledByData of the largest scale of an island; in practice in the last
-/// digits of a double. The worst row may be any of those that are equal up to kSettled.
+/// Velocities and rows of the LCP are computed in 113 bits. Sums of magnitudes and diagonal entries of M are right to
+/// 2^-30 of them, in practice to the last digits of a double.
 class Evaluator {
  public:
-  explicit Evaluator(const Problem& problem, Precision precision = Precision::kAsNeeded);
+  explicit Evaluator(const Problem& problem);
   ~Evaluator();
 
   /// Every measure of the answer's z and of its velocity.
@@ -299,7 +289,7 @@ class Evaluator {
 
   /// kSolvable when theory proves it from the data, else kUnknown; kUnsolvable needs a proof, see check_farkas.
   ///
-  /// Contact problem with mu >= 0, b >= 0 and G (or the given G*) proven positive definite here in 113 bits: solvable
+  /// Contact problem with mu >= 0, b >= 0 and G (or the given G*) proven positive definite here: solvable
   /// for any rank of N and D. M is copositive, z'M z = 0 forces J f = 0 and so q'z = b'f_N >= 0, and a copositive LCP
   /// whose q is nonnegative on the solutions of LCP(0, M) is solvable. [Anitescu, Potra 1997; Cottle, Pang, Stone 1992,
   /// Thm 3.8.6]

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory_resource>
 
 #include "core/islands.h"
 #include "core/round_cone.h"
@@ -14,19 +13,13 @@
 namespace lcpbench {
 namespace {
 
-void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& islands, const Vector& impulses, bool convex,
+void measure_by_cone(ContactEvaluation& evaluation, const RowIslands& islands, const Vector& impulses, bool convex,
                      Errors& errors) {
-  ContactLcp<Quad>& lcp = *evaluation.lcp;
-  const ConeFriction<Quad> friction(evaluation.problem, lcp);
+  ContactLcp& lcp = *evaluation.lcp;
+  const ConeFriction friction(evaluation.problem, lcp);
   const ContactLayout& layout = lcp.layout();
-  const QuadVector z(impulses.begin(), impulses.end());
-  QuadVector u, rows;
-  errors.unresolved = !evaluation.respond(impulses, z, u, rows);
-  if (errors.unresolved) return;
-  // Where respond() needed exact arithmetic, the diagonal of M comes from it, too.
-  for (std::size_t row = 0; row < lcp.impulses() && evaluation.exact; ++row) {
-    if (lcp.representative(row) == row) lcp.set_diagonal(row, evaluation.diagonal(row));
-  }
+  const QuadVector z = numbers(impulses), u = lcp.response(z), rows = lcp.all_rows(z, u);
+  if (!all_finite(rows) || !all_finite(u)) return;
   Quad largest = 0;
   Quad rho = 0;
   errors.worst = {};
@@ -66,70 +59,53 @@ void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& isla
   errors.decide(kSolvedVelocityResidual);
 }
 
-/// An upper bound of |v+ - v*|_G / |v+ - v|_G for an answer to the convex model, v* the velocity of the optimum.
-/// Rounding is included in the bound.
+/// |v+ - v*|_G / |v+ - v|_G or more, but for rounding in 113 bits, for an answer to the convex model, v* the velocity
+/// of the optimum.
 ///
 /// Let f be in the cones, w = J'v+ + b + R f, and lack >= 0, along the normals, the least such that w + lack is in the
 /// dual cones. With s = R f + lack, the primal energy 1/2 |v+ - v|_G^2 + 1/2 |s|_{1/R}^2 exceeds the dual one, that of
 /// f, by f'w + f_N'lack + 1/2 lack'lack / r_n. This gap is at least |v+ - v*|_G^2, as both energies are strongly convex
 /// in the velocity. Impulses outside of their cones are first shortened, and the change of velocity is added.
 ///
-/// Infinite where a contact without compliance has a lack, where rounding leaves open whether a shortened impulse is in
-/// its cone, and where G is not proven positive definite. NaN for more than 4 edges, whose directions are sums of the
-/// tangents only to rounding. @pre why_no_round_cone() is ""
-double optimum_distance(const ContactProblem& problem, const Vector& impulses) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kInside = 1 - 0x1p-45;
+/// Infinite where a contact without compliance has a lack, and where G is not proven positive definite. NaN for more
+/// than 4 edges, whose directions are sums of the tangents only to rounding. @pre why_no_round_cone() is ""
+double optimum_distance(const ContactEvaluation& evaluation, const Vector& impulses) {
+  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  const ContactProblem& problem = evaluation.problem;
+  const RefinedInertia& inertia = evaluation.inertia;
   const auto has_more_edges = [](int edges) { return edges > 4; };
   if (std::any_of(problem.edges.begin(), problem.edges.end(), has_more_edges)) return Errors::kNone;
-  const BoundedInertia inertia(problem.inertia);
-  if (!inertia.well_defined() || !inertia.proven_positive_definite()) return kInfinity;
-  ContactLcp<Bounded> lcp(problem, inertia);
-  const ConeFriction<Bounded> friction(problem, lcp);
+  if (!evaluation.lcp || !inertia.has_inertia() || !inertia.proven_positive_definite()) return kUnbounded;
+  ContactLcp lcp(problem, inertia);
+  const ConeFriction friction(problem, lcp);
   const ContactLayout& layout = lcp.layout();
-  const BoundedVector given(impulses.begin(), impulses.end());
-  BoundedVector z = given;  // shortened until it is surely in the cones
+  const QuadVector given = numbers(impulses);
+  QuadVector z = given;  // shortened until it is in the cones
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
-    if (z[row].high < 0) z[row] = 0;
+    z[row] = larger(z[row], 0);
     if (!friction.has_friction(contact)) continue;
-    const double most = problem.mu(contact) * z[row].high;
-    const double length = friction.impulse(contact, z).high;
-    const double share = length > kInside * most ? kInside * most / length : 1.0;
-    for (Index j = layout.friction_begin[row]; j < layout.friction_begin[row + 1]; ++j) {
-      auto& each = z[static_cast<std::size_t>(layout.friction_offset() + j)];
-      if (share != 1) each = Bounded(share) * each;
+    const Quad most = problem.mu(contact) * z[row], length = friction.impulse(contact, z);
+    for (Index j = layout.friction_begin[row]; length > most && j < layout.friction_begin[row + 1]; ++j) {
+      z[static_cast<std::size_t>(layout.friction_offset() + j)] *= most / length;
     }
-    if (!surely_at_most(friction.impulse(contact, z), Bounded(problem.mu(contact)) * z[row])) return kInfinity;
   }
-  const BoundedVector u = lcp.response(z), moved = lcp.response(given);
-  Bounded gap = 0;
+  const QuadVector u = lcp.response(z), moved = lcp.response(given), w = lcp.all_rows(z, u);
+  Quad gap = 0;
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
-    const Bounded w = lcp.row(row, z, u);
     const bool frictional = friction.has_friction(contact);
-    const Bounded lack = larger(frictional ? friction.lack(contact, z, u) : -w, 0.0);
-    gap += frictional ? friction.work(contact, z, u) : z[row] * w;
-    if (surely_equal(lack, 0)) continue;
+    const Quad lack = larger(frictional ? friction.lack(contact, z, u) : -w[row], 0);
+    gap += frictional ? friction.work(contact, z, u) : z[row] * w[row];
+    if (lack == 0) continue;
     const double compliance = problem.normal_compliance(contact);
-    if (compliance == 0) return kInfinity;
-    gap += z[row] * lack + lack * lack / Bounded(2 * compliance);
+    if (compliance == 0) return kUnbounded;
+    gap += z[row] * lack + lack * lack / (2 * compliance);
   }
   // The distance from the answer to the velocity of the shortened impulses, and from that to the optimum.
-  const auto energy = [&](const BoundedVector& impulse, const BoundedVector& change) {
-    Bounded sum = 0;
-    for (std::size_t i = 0; i < change.size(); ++i) sum += impulse[i] * change[i];
-    return sum;
-  };
-  const BoundedVector own = lcp.generalized_impulse(given), inside = lcp.generalized_impulse(z);
-  const auto largest_root = [](const Bounded& x) {
-    const double largest = x.high + std::abs(x.low) + 2 * x.error;
-    return std::isnan(largest) ? kInfinity : std::sqrt(std::max(0.0, largest));
-  };
-  const double distance = largest_root(gap) + largest_root(energy(difference(own, inside), difference(moved, u)));
-  const Bounded whole = energy(own, difference(moved, lcp.velocity_before()));
-  const double least = std::sqrt(std::max(0.0, whole.high - std::abs(whole.low) - 2 * whole.error));
-  return distance == 0 ? 0 : std::nextafter(distance * (1 + 0x1p-50) / least, kInfinity);
+  const QuadVector own = lcp.generalized_impulse(given), inside = lcp.generalized_impulse(z);
+  const Quad distance = sqrt(gap) + sqrt(inner(difference(own, inside), difference(moved, u)));
+  return to_double(quotient(distance, sqrt(inner(own, difference(moved, lcp.velocity_before())))));
 }
 
 }  // namespace
@@ -144,14 +120,17 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   const bool convex = model == FrictionModel::kConvex;
   if (contact == nullptr || !errors.usable) return;
   const bool finite = why_not({}, problem).empty();  // no NaN, no infinity
-  if (!contact->frictional()) {  // all models are the same
-    if (contact->is_soft() && finite) errors.optimum_distance = optimum_distance(*contact, answer.z);
+  if (!contact->frictional()) {                      // all models are the same
+    if (!contact->is_soft() || !finite) return;
+    const IslandRows rows(row_islands(*contact));
+    ContactEvaluation evaluation(*contact, rows);
+    errors.optimum_distance = optimum_distance(evaluation, answer.z);
     return;
   }
   if (model == FrictionModel::kPyramid) return;
   for (double Errors::*const measure :
-       {&Errors::natural_residual, &Errors::forward_velocity, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
-        &Errors::velocity_residual_relative, &Errors::cone_violation}) {
+       {&Errors::natural_residual, &Errors::forward_velocity, &Errors::complementarity_j,
+        &Errors::velocity_residual_m_per_s, &Errors::velocity_residual_relative, &Errors::cone_violation}) {
     errors.*measure = Errors::kNone;
   }
   if (!convex) errors.model_error_m_per_s = Errors::kNone;
@@ -160,11 +139,15 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   if (!finite) return;
   const RowIslands islands = row_islands(*contact);
   const IslandRows rows(islands);
-  ContactEvaluation<Quad> evaluation(*contact, rows, std::pmr::get_default_resource());
+  ContactEvaluation evaluation(*contact, rows);
   errors.unresolved = evaluation.inertia.unresolved() || !why_no_round_cone(*contact).empty();
   if (!evaluation.lcp || errors.unresolved) return;
+  const Errors unmeasured = errors;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);
-  if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
+  if (!evaluation.inertia.well_defined()) errors = unmeasured;  // see Evaluator::errors()
+  errors.unresolved = evaluation.inertia.unresolved();
+  if (errors.unresolved) return;
+  if (convex) errors.optimum_distance = optimum_distance(evaluation, answer.z);
 }
 
 }  // namespace lcpbench

@@ -9,13 +9,10 @@
 namespace lcpbench {
 
 /// Measures the velocity that an answer comes with by the one that its z implies.
-template <class Real>
 class ReturnedVelocity {
-  using RealVector = std::vector<Real>;
-
  public:
   /// @param v_plus  implied by z. @param contact, z, v_plus  must outlive this object.
-  ReturnedVelocity(ContactEvaluation<Real>& contact, const RealVector& z, const RealVector& v_plus)
+  ReturnedVelocity(ContactEvaluation& contact, const QuadVector& z, const QuadVector& v_plus)
       : contact_(contact), z_(z), v_plus_(v_plus) {}
 
   /// Errors::velocity_mismatch
@@ -26,35 +23,32 @@ class ReturnedVelocity {
  private:
   /// Sums over an island.
   struct IslandImpulses {
-    Real size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
+    Quad size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
     double count = 0;  ///< of the f_j that are not zero
     double coordinates = 0;
-    Real change = 0;  ///< the largest sqrt(G_ii) |v+ - v|_i
+    Quad change = 0;  ///< the largest sqrt(G_ii) |v+ - v|_i
   };
   /// The part of the scales that all coordinates share.
   struct ImpulseScale {
-    RealVector generalized;  ///< |J| |f|
-    RealVector inertial;     ///< |G| |v+ - v|; zeros where only G* is known
-    RealVector root;         ///< sqrt(G_ii); none where only G* is known
+    QuadVector generalized;  ///< |J| |f|
+    QuadVector inertial;     ///< |G| |v+ - v|; zeros where only G* is known
+    QuadVector root;         ///< sqrt(G_ii); none where only G* is known
     IslandNumbers numbers;
     std::vector<IslandImpulses> islands;  ///< at k + 1 that of number k; at 0 the coordinates that no contact moves
   };
   /// Of row i of |G*| the products with `generalized` and with `inertial`; and G*_ii.
   struct Response {
-    Real to_impulses = 0, to_inertia = 0, own = 0;
+    Quad to_impulses = 0, to_inertia = 0, own = 0;
   };
-  static Real root(const Real& square);
   const ImpulseScale& impulse_scale();
   Response respond(std::size_t coordinate);
-  Real rounding(std::size_t coordinate, const Response& response);
-  Real scale_of(std::size_t coordinate);
+  Quad rounding(std::size_t coordinate, const Response& response);
+  Quad scale_of(std::size_t coordinate);
 
-  ContactEvaluation<Real>& contact_;
-  const RealVector& z_;
-  const RealVector& v_plus_;
+  ContactEvaluation& contact_;
+  const QuadVector& z_;
+  const QuadVector& v_plus_;
   std::optional<ImpulseScale> impulse_scale_;  // made by impulse_scale()
-  RealVector inverse_row_;                     // zeros between uses
-  std::vector<std::size_t> pattern_;
 };
 
 }  // namespace lcpbench

@@ -158,8 +158,7 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   if (answer.claim == Claim::kSolved) {
     const std::string no_cone = answer.model == FrictionModel::kPyramid ? "" : why_no_round_cone(*problem.contact());
     if (!no_cone.empty()) return "said solved; not measured, because no round cone is known for " + no_cone;
-    return "said solved; inertia unresolved: the answer is not measured, as G is too large, or its entries too far "
-           "apart, to tell in exact arithmetic what its inverse is";
+    return "said solved; inertia unresolved: the answer is not measured, as 113 bits do not tell the rank of G";
   }
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {

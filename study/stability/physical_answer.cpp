@@ -11,8 +11,8 @@ namespace lcpbench {
 
 PhysicalAnswers::PhysicalAnswers(const Problem& problem) : problem_(problem) {
   if (problem.contact() == nullptr) return;
-  inertia_ = std::make_unique<QuadInertia>(problem.contact()->inertia);
-  if (inertia_->well_defined()) lcp_ = std::make_unique<ContactLcp<Quad>>(*problem_.contact(), *inertia_);
+  inertia_ = std::make_unique<RefinedInertia>(problem.contact()->inertia);
+  if (inertia_->well_defined()) lcp_ = std::make_unique<ContactLcp>(*problem_.contact(), *inertia_);
 }
 
 Vector PhysicalAnswers::of(const Answer& answer) const {

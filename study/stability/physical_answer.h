@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "core/quad_inertia.h"
 #include "core/solver.h"
 #include "study/evaluation/contact_lcp.h"
 
@@ -16,7 +15,7 @@ class PhysicalAnswers {
   explicit PhysicalAnswers(const Problem& problem);
 
   /// The velocity that the answer has, else v + G* J f of its z in 113 bits. @pre z has n finite entries, and G* is
-  /// known (QuadInertia::well_defined): an answer that passed as solved has both
+  /// known (RefinedInertia::well_defined): an answer that passed as solved has both
   Vector of(const Answer& answer) const;
 
   /// The relative change from one physical answer to another: of contacts ||b - a||_G over the larger of ||v||_G and
@@ -33,8 +32,8 @@ class PhysicalAnswers {
   double length(const Vector& velocity) const;
 
   Problem problem_;
-  std::unique_ptr<QuadInertia> inertia_;
-  std::unique_ptr<ContactLcp<Quad>> lcp_;
+  std::unique_ptr<RefinedInertia> inertia_;
+  std::unique_ptr<ContactLcp> lcp_;
 };
 
 /// Largest over smallest nonzero eigenvalue of a symmetric matrix of doubles, scaled to unit diagonal. Up to

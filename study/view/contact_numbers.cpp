@@ -1,7 +1,5 @@
 #include "study/view/contact_numbers.h"
 
-#include <memory_resource>
-
 #include "core/compliance.h"
 #include "study/evaluation/contact_evaluation.h"
 #include "study/evaluation/measures.h"
@@ -36,7 +34,8 @@ std::vector<Vector3d> contact_velocities(const ContactProblem& problem, const Ve
   };
   std::vector<Vector3d> velocities = along_axes(problem, projected(problem.N), projected(problem.D));
   for (std::size_t c = 0; c < velocities.size(); ++c) {
-    // The directions C_k of a regular polygon have sum C_k C_k' = edges / 2 in the plane; two have twice that on a line.
+    // The directions C_k of a regular polygon have sum C_k C_k' = edges / 2 in the plane; two have twice that on a
+    // line.
     const double edges = problem.edges[c];
     velocities[c].tail<2>() *= edges > 2 ? 2 / edges : 0.5;
   }
@@ -49,13 +48,12 @@ std::vector<Vector3d> contact_impulses(const ContactProblem& problem, const Vect
 
 std::vector<double> contact_residuals(const ContactProblem& problem, const Vector& z, FrictionModel model) {
   const IslandRows islands(row_islands(problem));
-  ContactEvaluation<Quad> evaluation(problem, islands, std::pmr::get_default_resource());
-  const QuadVector point = numbers<Quad>(z);
-  QuadVector u, w;
-  if (!evaluation.lcp || !evaluation.respond(z, point, u, w)) {
-    return std::vector<double>(problem.edges.size(), Errors::kNone);
-  }
-  const ConeFriction<Quad> friction(problem, *evaluation.lcp);
+  ContactEvaluation evaluation(problem, islands);
+  const QuadVector point = numbers(z);
+  if (!evaluation.lcp) return std::vector<double>(problem.edges.size(), Errors::kNone);
+  const QuadVector u = evaluation.lcp->response(point), w = evaluation.lcp->all_rows(point, u);
+  if (!all_finite(w)) return std::vector<double>(problem.edges.size(), Errors::kNone);
+  const ConeFriction friction(problem, *evaluation.lcp);
   const ContactLayout& layout = evaluation.lcp->layout();
   std::vector<double> residuals;
   for (Index contact = 0; contact < problem.nc(); ++contact) {

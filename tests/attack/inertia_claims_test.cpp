@@ -103,12 +103,14 @@ double velocity_error(const ContactProblem& contact, const Vector& z, const Vect
   return worst;
 }
 
-void expect_truth(const std::string& solver, const Problem& problem, const attack::Judge& judge, Evaluator& evaluator) {
+void expect_truth(const std::string& solver, const Problem& problem, const attack::Judge& judge, Evaluator& evaluator,
+                  bool resolvable) {
   if (!takes(solver, problem)) return;
   const Answer answer = solve(solver, problem);
   if (answer.z.size() != problem.size() || !answer.z.allFinite()) return;
   SCOPED_TRACE(solver);
   Errors errors = evaluator.errors(answer);
+  if (errors.unresolved && !resolvable) return;
   EXPECT_FALSE(errors.unresolved);
   const bool solves = judge.solves(answer.z);
   EXPECT_EQ(errors.solved, solves) << errors.velocity_residual_relative << " " << judge.measure();
@@ -125,10 +127,11 @@ void expect_truth(const std::string& solver, const Problem& problem, const attac
   EXPECT_LE(velocity_error(*problem.contact(), answer.z, post_impact_velocity(*problem.contact(), answer.z)), 1e-4);
 }
 
-void expect_truth_of_all(const Problem& problem) {
+/// @param resolvable  113 bits have to tell what G* is
+void expect_truth_of_all(const Problem& problem, bool resolvable = true) {
   const attack::Judge judge(problem);
   Evaluator evaluator(problem);
-  for (const std::string& solver : native_solvers()) expect_truth(solver, problem, judge, evaluator);
+  for (const std::string& solver : native_solvers()) expect_truth(solver, problem, judge, evaluator, resolvable);
 }
 
 TEST(InertiaClaimsTest, AnswersToInertiaThatRoundingMistakes) {
@@ -384,7 +387,8 @@ TEST(InertiaClaimsTest, RandomInertiaOfDoubtfulRank) {
     const Problem problem = problems.next();
     SCOPED_TRACE(::testing::Message() << "problem " << trial << " of kind " << problems.kind());
     if (!ExactResponse::of(problem.contact()->inertia)) continue;  // indefinite by rounding
-    expect_truth_of_all(problem);
+    const bool is_of_far_scales = problems.kind() == 3 || problems.kind() == 4;  // 2^140 apart
+    expect_truth_of_all(problem, !is_of_far_scales);
   }
 }
 

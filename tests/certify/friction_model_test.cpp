@@ -44,6 +44,26 @@ Errors by_cone(const Problem& problem, const Answer& answer) {
   return errors;
 }
 
+/// A contact that nothing presses slides at 5 m/s; it has to separate. No lambda hides that from a model of the cone.
+TEST(FrictionModelTest, ALargeLambdaHidesNoSlip) {
+  RigidScene scene;
+  scene.bodies.push_back({.mass = kMass, .linear_velocity = {3, 4, 0}});
+  scene.contacts.push_back({.mu = kMu, .edges = 4});
+  const Problem problem("grazing", std::move(scene));
+  for (const double lambda : {4.0, 1e60}) {
+    Answer answer = impulses(0, 0, 0);
+    answer.z(5) = lambda;
+    Errors convex = Evaluator(problem).errors(answer);
+    EXPECT_TRUE(convex.solved);
+    EXPECT_TRUE(by_cone(problem, answer).solved) << lambda;
+    measure_friction(FrictionModel::kConvex, problem, answer, convex);
+    EXPECT_FALSE(convex.solved) << lambda;
+    answer.z(0) = kMass;  // presses, without friction
+    EXPECT_FALSE(by_cone(problem, answer).solved) << lambda;
+    EXPECT_GE(by_cone(problem, answer).model_error_m_per_s, 0.25) << lambda;
+  }
+}
+
 /// Coulomb's answer to an oblique slip: the friction is opposite to it, at the limit.
 TEST(FrictionModelTest, TheConesSolutionPassesAndThePyramidsDoesNot) {
   const Problem problem = sliding(3, 4);  // of 5 m/s
@@ -197,12 +217,12 @@ TEST(FrictionModelTest, DataThatAreNotFiniteHaveNoErrors) {
   EXPECT_TRUE(std::isnan(errors.velocity_residual_m_per_s));
 }
 
-/// The energies of such impulses exceed the largest double: nothing is known of the distance.
+/// The energies of such impulses exceed the largest double.
 TEST(FrictionModelTest, HugeImpulsesAreNotNearTheOptimum) {
   const Answer answer = impulses(1e160, 0, 0);
   Errors errors = Evaluator(sliding(3, 4)).errors(answer);
   measure_friction(FrictionModel::kConvex, sliding(3, 4), answer, errors);
-  EXPECT_TRUE(std::isinf(errors.optimum_distance));
+  EXPECT_GE(errors.optimum_distance, 0.5);
 }
 
 TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid) {
@@ -240,34 +260,6 @@ TEST(FrictionModelTest, TheVelocityOfAnAnswerToTheConeIsJudgedToo) {
   EXPECT_FALSE(judge.judgement(judge.judge(cone, FrictionModel::kCone)).errors.solved);
 }
 
-/// Bodies of rank 2 do not move along the normal, so that the contact's compliance alone stops it, by an impulse whose
-/// response has nothing but rounding in 113 bits. Exact arithmetic finds no response.
-TEST(FrictionModelTest, AnImpulseThatMovesNothingIsJudgedExactly) {
-  const double size = 0x1p130;
-  ContactProblem contact;
-  contact.v = Vector{{-50331648, -50331648, -50331648, 0, -15146256}};
-  contact.N = Matrix(size * Vector{{0, 0, 0, 1, 1}});
-  const Matrix tangents = size * Matrix{{1, -3}, {-2, 3}, {-2, -3}, {3, 3}, {1, 2}};
-  Matrix D(5, 4);
-  D << tangents, -tangents;
-  contact.D = D;
-  contact.edges = {4};
-  contact.mu = Vector::Constant(1, 4);
-  contact.compliance_n = Vector::Constant(1, 0.004030936099300808);
-  contact.inertia = FactoredInertia{Matrix{{4, -2, 6, 3, 3, 0},
-                                           {-4, 4, -8, -4, -2, 2},
-                                           {-2, -2, 0, 0, -3, -3},
-                                           {-2, 4, -6, -3, 0, 3},
-                                           {2, -4, 6, 3, 0, -3}},
-                                    Vector::Constant(6, 0x1p40)};
-  Answer answer;
-  answer.claim = Claim::kSolved;
-  answer.z = Vector{{5.114448569466825e+48, 0, 0, 2.2684296440836706e-19, 1.5627175338112543e-18, 0}};
-  EXPECT_TRUE(by_cone(Problem("unmoved", contact), answer).solved);
-  answer.z(0) *= 1.001;
-  EXPECT_FALSE(by_cone(Problem("unmoved", contact), answer).solved);
-}
-
 /// The same amount of work on every machine: what it ends for is kept or left open alike, however long it takes.
 TEST(BoundedCertifierTest, EndsByWorkAndNotByTime) {
   Lcp lcp{Matrix::Zero(16, 16), Vector::Zero(16)};
@@ -289,12 +281,9 @@ TEST(BoundedCertifierTest, EndsByWorkAndNotByTime) {
   EXPECT_TRUE(std::isinf(deadline.left_s()));
 }
 
-/// The error that every answer has against the cone, in both arithmetics of the evaluation, is the residual by which
-/// answers to the cone are judged.
+/// The error that every answer has against the cone is the residual by which answers to the cone are judged.
 void expect_model_error(const Problem& problem, const Answer& answer, double expected) {
-  for (const Precision precision : {Precision::kAsNeeded, Precision::kQuad}) {
-    EXPECT_NEAR(Evaluator(problem, precision).errors(answer).model_error_m_per_s, expected, 1e-14);
-  }
+  EXPECT_NEAR(Evaluator(problem).errors(answer).model_error_m_per_s, expected, 1e-14);
   const Errors cone = by_cone(problem, answer);
   EXPECT_NEAR(cone.velocity_residual_m_per_s, expected, 1e-14);
   EXPECT_EQ(cone.model_error_m_per_s, cone.velocity_residual_m_per_s);
