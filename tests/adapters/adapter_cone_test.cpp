@@ -2,14 +2,11 @@
 // solve the cone's conditions, which are checked here from v, N, D and z alone.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
-#include "study/run/open_solver.h"
+#include "tests/adapters/library_runs.h"
 
 namespace lcpbench::adapter_cone_test {
 namespace {
@@ -17,18 +14,6 @@ namespace {
 const char* const kCones[] = {"siconos_fc3d{cone=true}", "siconos_fc3d{cone=true,method=nsn_ac}",
                               "simbody_pgs{cone=true,tolerance=1e-12,max_iterations=100000}",
                               "simbody_plus{cone=true}"};
-
-Answer run(const std::string& solver, const Problem& problem) {
-  TimedAnswer result;
-  open_solver(parse_spec(solver))->run(problem, {.time_limit_s = 20}, result);
-  return result.answer;
-}
-
-bool missing(const std::string& solver) {
-  const std::string& why = find_solver(parse_spec(solver).name).unavailable;
-  if (!why.empty()) std::printf("%s: not built: %s\n", solver.c_str(), why.c_str());
-  return !why.empty();
-}
 
 /// A body of 2 kg that falls with `velocity` on one contact at its centre of mass, mu = 1/4.
 Problem drop(const Eigen::Vector3d& velocity) {
@@ -88,7 +73,7 @@ TEST(AdapterConeTest, FrictionActsAgainstTheSlip) {
   const Vector z{{6.0, 0.0, 0.0, 0.9, 1.2, 3.4}};
   for (const char* solver : kCones) {
     if (missing(solver)) continue;
-    const Answer answer = run(solver, problem);
+    const Answer answer = run(solver, problem).answer;
     EXPECT_LE((answer.z - z).lpNorm<Eigen::Infinity>(), 1e-8) << solver << " returned " << answer.z.transpose();
     EXPECT_EQ(answer.detail.find("another problem: the round friction cone"), 0U) << answer.detail;
     EXPECT_FALSE(Evaluator(problem).errors(answer).solved) << solver;
@@ -106,7 +91,7 @@ TEST(AdapterConeTest, ImpulsesComeBackOnTheDirectionsBesideThem) {
   z(9) = 4.25 * 7 / (5 * sqrt2);
   for (const char* solver : kCones) {
     if (missing(solver)) continue;
-    const Answer answer = run(solver, drop_on_eight({3.0, 4.0, -3.0}));
+    const Answer answer = run(solver, drop_on_eight({3.0, 4.0, -3.0})).answer;
     EXPECT_LE((answer.z - z).lpNorm<Eigen::Infinity>(), 1e-8) << solver << " returned " << answer.z.transpose();
   }
 }
@@ -116,7 +101,7 @@ TEST(AdapterConeTest, StickingContactsSolveThePyramidToo) {
   const Problem problem = drop({0.25, -0.25, -3.0});
   for (const char* solver : kCones) {
     if (missing(solver)) continue;
-    const Answer answer = run(solver, problem);
+    const Answer answer = run(solver, problem).answer;
     EXPECT_LE((answer.z - Vector{{6.0, 0.0, 0.5, 0.5, 0.0, 0.0}}).lpNorm<Eigen::Infinity>(), 1e-8) << solver;
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << solver;
   }
@@ -131,7 +116,7 @@ TEST(AdapterConeTest, ClaimedAnswersSolveTheConesConditions) {
     int claimed = 0;
     for (std::int64_t trial = 0; trial < 20; ++trial) {
       const Problem problem = set->generate(20120101, trial);
-      const Answer answer = run(solver, problem);
+      const Answer answer = run(solver, problem).answer;
       if (answer.claim != Claim::kSolved) continue;
       ++claimed;
       const Slip slip = parse_spec(solver).name == "simbody_pgs" ? Slip::kOverDiagonal : Slip::kAsItIs;
@@ -149,7 +134,7 @@ TEST(AdapterConeTest, FrictionIsRefusedUnlessTheConeIsAskedFor) {
         "has a round friction cone, which is another problem than this pyramid: cone=true solves that one";
     EXPECT_EQ(why_not(find_solver(solver).definition.capabilities, drop({3.0, 4.0, -3.0})), reason) << solver;
     if (missing(solver)) continue;
-    const Answer answer = run(solver, drop({3.0, 4.0, -3.0}));
+    const Answer answer = run(solver, drop({3.0, 4.0, -3.0})).answer;
     EXPECT_EQ(answer.claim, Claim::kUnsupported) << solver;
     EXPECT_EQ(answer.detail, reason) << solver;
     EXPECT_EQ(answer.z.size(), 0) << solver;
@@ -165,8 +150,8 @@ TEST(AdapterConeTest, DirectionsThatAreNoPolygonAreRefused) {
   six.edges = {6};
   for (const char* solver : kCones) {
     if (missing(solver)) continue;
-    EXPECT_EQ(run(solver, Problem("bent", bent)).detail, "friction directions that are no regular polygon") << solver;
-    EXPECT_EQ(run(solver, Problem("six", six)).detail, "a contact of 6 edges: takes multiples of 4") << solver;
+    EXPECT_EQ(run(solver, Problem("bent", bent)).answer.detail, "friction directions that are no regular polygon") << solver;
+    EXPECT_EQ(run(solver, Problem("six", six)).answer.detail, "a contact of 6 edges: takes multiples of 4") << solver;
   }
 }
 
@@ -179,7 +164,7 @@ TEST(AdapterConeTest, ContactsWithoutFrictionKeepTheirPlaces) {
   const Vector z{{6.0, 6.0, 0.0, 0.0, 0.9, 1.2, 3.4}};
   for (const char* solver : kCones) {
     if (missing(solver)) continue;
-    const Answer answer = run(solver, Problem("two", scene));
+    const Answer answer = run(solver, Problem("two", scene)).answer;
     EXPECT_LE((answer.z - z).lpNorm<Eigen::Infinity>(), 1e-8) << solver << " returned " << answer.z.transpose();
   }
 }

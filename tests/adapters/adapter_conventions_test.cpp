@@ -1,29 +1,16 @@
 // Each adapter on problems whose answers have no symmetry to hide behind: a wrong sign, stride, half, transpose or unit
 // shows. Every library runs in its worker, as in a study. Missing libraries are skipped by name.
-#include <cstdio>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
-#include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
-#include "study/run/open_solver.h"
+#include "tests/adapters/library_runs.h"
+#include "tests/support/contacts.h"
 
 namespace lcpbench::adapter_conventions_test {
 namespace {
 
-TimedAnswer run(const std::string& solver, const Problem& problem) {
-  TimedAnswer result;
-  open_solver(parse_spec(solver))->run(problem, {}, result);
-  return result;
-}
-
-bool missing(const std::string& solver) {
-  const std::string& why = find_solver(parse_spec(solver).name).unavailable;
-  if (!why.empty()) std::printf("%s: not built: %s\n", solver.c_str(), why.c_str());
-  return !why.empty();
-}
+using testing::frictionless;
 
 // z = (1, 0, 2), w = (0, 3, 0) by construction; M symmetric positive definite, no two entries alike.
 Problem symmetric_problem() {
@@ -36,14 +23,8 @@ Problem symmetric_problem() {
 // The same (q, M), of contacts without friction.
 Problem as_contacts(const Problem& problem) {
   const Lcp& lcp = problem.lcp();
-  ContactProblem contact;
-  contact.v = lcp.q;
-  contact.N = Matrix(Matrix::Identity(lcp.size(), lcp.size()));
-  contact.D = Matrix(lcp.size(), 0);
-  contact.edges.assign(static_cast<std::size_t>(lcp.size()), 0);
-  contact.mu = Vector::Zero(lcp.size());
-  contact.inertia = InverseInertia{lcp.M};
-  return Problem(problem.name(), contact);
+  const Matrix identity = Matrix::Identity(lcp.size(), lcp.size());
+  return Problem(problem.name(), frictionless(lcp.q, identity, InverseInertia{lcp.M}));
 }
 
 // The same answer; M is positive definite but far from symmetric: with its transpose the answer is another.
@@ -85,15 +66,6 @@ Problem stack_of_two() {
   scene.contacts.push_back({.body_a = 0, .point = {0.0, 0.0, 0.0}});
   scene.contacts.push_back({.body_a = 1, .body_b = 0, .point = {0.0, 0.0, 2.0}});
   return Problem("stack of two", scene);
-}
-
-void expect_solution(const std::string& solver, const Problem& problem, const Vector& z, double tolerance) {
-  if (missing(solver)) return;
-  const TimedAnswer result = run(solver, problem);
-  EXPECT_EQ(result.answer.claim, Claim::kSolved) << solver << " on " << problem.name() << ": " << result.answer.detail;
-  ASSERT_EQ(result.answer.z.size(), z.size()) << solver;
-  EXPECT_LE((result.answer.z - z).lpNorm<Eigen::Infinity>(), tolerance)
-      << solver << " on " << problem.name() << " returned " << result.answer.z.transpose();
 }
 
 // Direct methods end at a vertex: a few roundings. Ipopt stops at its tol of 1e-10 on quantities of size one.
@@ -151,15 +123,6 @@ TEST(AdapterConventionsTest, LimitsOfFrictionReachTheBoxedSolvers) {
   }
 }
 
-// The artificial variable comes in, and leaves for z.
-TEST(AdapterConventionsTest, TheLemkePathOfBulletHasAllItsPivots) {
-  if (missing("bullet_lemke")) return;
-  for (const double q : {-1.0, 1.0}) {
-    const Problem problem("one row", Lcp{Matrix::Identity(1, 1), Vector::Constant(1, q)});
-    EXPECT_EQ(run("bullet_lemke", problem).answer.counters.pivots, q < 0 ? 2 : 0);
-  }
-}
-
 TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
   const Vector z{{1.0, 0.0, 2.0}};
   expect_solution("dart_lemke", nonsymmetric_problem(), z, kDirect);
@@ -185,14 +148,6 @@ TEST(AdapterConventionsTest, LimitsOfIterationsReachTheLibrary) {
   }
 }
 
-TEST(AdapterConventionsTest, BulletsGaussSeidelClaimsWhateverItHas) {
-  if (missing("bullet_pgs")) return;
-  const Problem problem = symmetric_problem();
-  const Answer answer = run("bullet_pgs{iterations=1}", problem).answer;
-  EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_FALSE(Evaluator(problem).errors(answer).solved);
-}
-
 // M = -1, q = -1: z = -(w + 1) has no solution.
 TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
   if (missing("dart_lemke")) return;
@@ -203,11 +158,6 @@ TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
   // Its own test compares w and z with 1e-4, whatever the units: an answer right to sixteen digits fails it.
   const Problem large("large", Lcp{Matrix{{49.0}}, Vector{{-1e15}}});
   EXPECT_EQ(run("dart_lemke", large).answer.claim, Claim::kNumericalFailure);
-}
-
-TEST(AdapterConventionsTest, DartsGaussSeidelSaysThatItsSweepsEnded) {
-  if (missing("dart_pgs")) return;
-  EXPECT_EQ(run("dart_pgs{max_iterations=2}", as_contacts(symmetric_problem())).answer.claim, Claim::kIterationLimit);
 }
 
 TEST(AdapterConventionsTest, SolversOfWorldsReturnTheStacksImpulses) {
@@ -225,14 +175,6 @@ TEST(AdapterConventionsTest, SolversOfConesSolveScenesWithoutFriction) {
   }
 }
 
-// Its return value is false whatever it found.
-TEST(AdapterConventionsTest, SimbodysPlusNeverSaysThatItSolved) {
-  if (missing("simbody_plus")) return;
-  const Answer answer = run("simbody_plus", stack_of_two()).answer;
-  EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
-  EXPECT_LE((answer.z - Vector{{7.0, 6.0}}).lpNorm<Eigen::Infinity>(), 1e-13);
-}
-
 TEST(AdapterConventionsTest, QuickStepSolvesTheSameProblemAsTheMatrixSolvers) {
   const std::string quickstep = "ode_quickstep{iterations=5000}";
   if (missing(quickstep)) return;
@@ -245,13 +187,6 @@ TEST(AdapterConventionsTest, QuickStepSolvesTheSameProblemAsTheMatrixSolvers) {
   // Three contacts on one body: M is regular, z unique. The box has to press somewhere and not everywhere alike.
   EXPECT_GT(from_lemke.z.maxCoeff(), 0.1);
   EXPECT_LE((from_ode.z - from_lemke.z).lpNorm<Eigen::Infinity>(), 1e-9);
-}
-
-TEST(AdapterConventionsTest, StepSolvesTheScene) {
-  expect_solution("ode_step", stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
-  if (missing("ode_step")) return;
-  const Problem box = falling_box();
-  expect_solution("ode_step", box, run("lemke", box).answer.z, 1e-12);
 }
 
 TEST(AdapterConventionsTest, OffsetsOfASceneReachTheLibraries) {
@@ -278,34 +213,6 @@ TEST(AdapterConventionsTest, CholmodBehindTheInteriorPointSolvesTheScene) {
     expect_solution(solver, stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
     expect_solution(solver, falling_box(), run("lemke", falling_box()).answer.z, 1e-12);
   }
-}
-
-TEST(AdapterConventionsTest, OdesConstraintForceMixingIsAddedToM) {
-  // z = 7 / (1 + cfm) for the lower body alone: 1 kg at 7 m/s on the ground.
-  RigidScene scene;
-  RigidBody body;
-  body.mass = 1.0;
-  body.position = {0.0, 0.0, 1.0};
-  body.linear_velocity = {0.0, 0.0, -7.0};
-  scene.bodies = {body};
-  scene.contacts.push_back({.body_a = 0, .point = {0.0, 0.0, 0.0}});
-  const Problem drop("drop", scene);
-  expect_solution("ode_step{cfm=0.75}", drop, Vector{{4.0}}, 1e-12);
-  expect_solution("ode_quickstep{cfm=0.75,iterations=1000}", drop, Vector{{4.0}}, 1e-12);
-}
-
-TEST(AdapterConventionsTest, BulletsSolversOfWorldsSolveTheSameProblemAsTheMatrixSolvers) {
-  const Vector z = run("lemke", falling_box()).answer.z;
-  expect_solution("bullet_si{iterations=5000}", falling_box(), z, 1e-9);
-  expect_solution("bullet_nncg{iterations=5000}", falling_box(), z, 1e-9);
-}
-
-TEST(AdapterConventionsTest, QuickStepWithFewSweepsStillClaimsSuccess) {
-  if (missing("ode_quickstep")) return;
-  const Problem stack = stack_of_two();
-  const Answer answer = run("ode_quickstep{iterations=1}", stack).answer;
-  EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_FALSE(Evaluator(stack).errors(answer).solved);
 }
 
 TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {

@@ -3,30 +3,15 @@
 // study.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
-#include "study/run/open_solver.h"
+#include "tests/adapters/library_runs.h"
 
 namespace lcpbench::adapter_friction_test {
 namespace {
-
-TimedAnswer run(const std::string& solver, const Problem& problem, const TimedRequest& request = {}) {
-  TimedAnswer result;
-  open_solver(parse_spec(solver))->run(problem, request, result);
-  return result;
-}
-
-bool missing(const std::string& solver) {
-  const std::string& why = find_solver(parse_spec(solver).name).unavailable;
-  if (!why.empty()) std::printf("%s: not built: %s\n", solver.c_str(), why.c_str());
-  return !why.empty();
-}
 
 RigidBody ball(double mass, const Eigen::Vector3d& position, const Eigen::Vector3d& velocity) {
   RigidBody body;
@@ -93,33 +78,11 @@ Problem contacts_of_three_kinds(double middle_mu) {
 }
 const Vector kThreeKinds{{6.0, 1.0, 4.0, 0, 0, 0.25, 0.5, 0, 0, 2.0, 0, 0.0, 0.5}};
 
-// A contact that sticks below its limit may push along a direction and its opposite at once: only their difference is
-// determined, which stands here in the place of the first, 0 in that of the second.
-Vector without_opposites(const Problem& problem, Vector z) {
-  const ContactLayout layout = contact_layout(*problem.contact());
-  for (Index c = 0; c < layout.cones; ++c) {
-    auto f_D = z.segment<4>(layout.friction_offset() + 4 * c);
-    f_D.head<2>() -= f_D.tail<2>();
-    f_D.tail<2>().setZero();
-  }
-  return z;
-}
-
 #ifdef __x86_64__
 constexpr bool kOnX86 = true;
 #else
 constexpr bool kOnX86 = false;
 #endif
-
-void expect_solution(const std::string& solver, const Problem& problem, const Vector& z, double tolerance) {
-  if (missing(solver)) return;
-  const Answer answer = run(solver, problem).answer;
-  EXPECT_EQ(answer.claim, Claim::kSolved) << solver << " on " << problem.name() << ": " << answer.detail;
-  ASSERT_EQ(answer.z.size(), z.size()) << solver;
-  const Vector difference = without_opposites(problem, answer.z) - without_opposites(problem, z);
-  EXPECT_LE(difference.lpNorm<Eigen::Infinity>(), tolerance)
-      << solver << " on " << problem.name() << " returned " << answer.z.transpose();
-}
 
 TEST(AdapterFrictionTest, HandMadeContactsHaveTheirAnswers) {
   const std::pair<Problem, Vector> cases[] = {{sliding_on_an_edge(), kOnAnEdge},
@@ -153,15 +116,15 @@ TEST(AdapterFrictionTest, ContactsWithoutFrictionCoefficientKeepTheirPlaces) {
   expect_solution("bullet_si{iterations=200}", contacts_of_three_kinds(0.0), z, 1e-13);
 }
 
-/// Of 30 scenes, how many the engine solves to the error of their frames, which are orthonormal to 2e-12.
+/// Of 30 scenes, how many the engine solves to the error of their frames, which are orthonormal to 2e-12. Directions are
+/// at random, with several contacts on a body: friction's limits follow the normal impulses from sweep to sweep.
 int solved_by(const std::string& engine) {
   const auto set = open_set("rigid/frictional/exp1{nc_max=4}");
   int solved = 0;
   for (std::int64_t trial = 0; trial < 30; ++trial) {
     const Problem problem = set->generate(20120101, trial);
     const Answer answer = run(engine, problem).answer;
-    EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-    if (Evaluator(problem).errors(answer).velocity_residual_relative <= 1e-11) ++solved;
+    if (Evaluator(problem).errors(answer).velocity_residual_relative <= 1e-10) ++solved;
   }
   return solved;
 }
@@ -170,61 +133,14 @@ TEST(AdapterFrictionTest, EnginesSolveTheProblemOfTheMatrixSolvers) {
   if (!missing("ode_quickstep")) {
     EXPECT_GE(solved_by("ode_quickstep{iterations=20000,w=1}"), 27);  // convergence is not proven
   }
+  const std::string pgs = "dart_pgs{max_iterations=20000,relative_tolerance=1e-13}";
+  if (!missing(pgs)) {
+    EXPECT_GE(solved_by(pgs), 27);
+  }
   // Bullet leaves friction as it is while a contact's normal impulse is zero: it ends elsewhere where one opens late.
   if (!missing("bullet_si")) {
     EXPECT_GE(solved_by("bullet_si{iterations=20000}"), 20);
   }
-}
-
-// Directions at random, several contacts on a body: friction's limits follow the normal impulses from sweep to sweep.
-TEST(AdapterFrictionTest, DartsGaussSeidelSolvesThePyramid) {
-  const std::string pgs = "dart_pgs{max_iterations=20000,relative_tolerance=1e-13}";
-  if (missing(pgs)) return;
-  const auto set = open_set("rigid/frictional/exp1{nc_max=4}");
-  int solved = 0;
-  for (std::int64_t trial = 0; trial < 30; ++trial) {
-    const Problem problem = set->generate(20120101, trial);
-    const Answer answer = run(pgs, problem).answer;
-    if (Evaluator(problem).errors(answer).velocity_residual_relative <= 1e-10) ++solved;
-  }
-  EXPECT_GE(solved, 27);  // convergence is not proven
-}
-
-// A contact of two edges has one friction row. (3, -2) kg m/s along its line and its normal; mu = 1/2 slides.
-TEST(AdapterFrictionTest, DartTakesContactsOfTwoEdges) {
-  ContactProblem contact;
-  contact.v = Vector{{3.0, -2.0}};
-  contact.N = Matrix{{0.0}, {1.0}};
-  contact.D = Matrix{{1.0, -1.0}, {0.0, 0.0}};
-  contact.edges = {2};
-  contact.mu = Vector{{0.5}};
-  contact.inertia = DenseInertia{Matrix{{2.0, 0.0}, {0.0, 4.0}}};
-  const Problem problem("two edges", contact);
-  const Vector z{{8.0, 0.0, 4.0, 1.0}};
-  for (const char* solver : {"dart_pgs", "dart_dantzig"}) {
-    if (missing(solver)) continue;
-    EXPECT_LE((run(solver, problem).answer.z - z).lpNorm<Eigen::Infinity>(), 1e-13) << solver;
-  }
-}
-
-// |g_1| + |g_2| <= mu f_N: the square that ODE limits is the pyramid, for every contact at every number of sweeps.
-TEST(AdapterFrictionTest, QuickStepKeepsThePyramid) {
-  if (missing("ode_quickstep")) return;
-  const auto set = open_set("rigid/frictional/exp2");
-  int at_the_limit = 0;
-  for (std::int64_t trial = 0; trial < 20; ++trial) {
-    const Problem problem = set->generate(20120101, trial);
-    const ContactProblem& contact = *problem.contact();
-    const ContactLayout layout = contact_layout(contact);
-    const Vector z = run("ode_quickstep{iterations=2000}", problem).answer.z;
-    for (Index c = 0; c < layout.nc; ++c) {
-      const double used = z.segment(layout.friction_offset() + 4 * c, 4).sum();
-      const double allowed = contact.mu(c) * z(c);
-      EXPECT_LE(used, allowed + 1e-9 * (1 + allowed)) << problem.name() << ", contact " << c;
-      if (allowed > 1e-3 && used > (1 - 1e-9) * allowed) ++at_the_limit;
-    }
-  }
-  EXPECT_GT(at_the_limit, 20);
 }
 
 // dWorldStep fixes the limits at mu times the normal impulses of a solve without friction. On two contacts of one body
@@ -301,20 +217,6 @@ TEST(AdapterFrictionTest, AStartThroughTheLibrarysInterfaceIsUsed) {
     }
     EXPECT_LT(from_there, 0.75 * from_nothing) << solver;
   }
-}
-
-// What the iterations add grows with their number; world and step, counted as set-up, do not.
-TEST(AdapterFrictionTest, TheTimeOfTheSolveIsThatOfTheIterations) {
-  if (missing("ode_quickstep")) return;
-  const Problem problem = open_set("rigid/frictional/exp1")->generate(20120101, 1);
-  const TimedRequest batches{.repeat_until_s = 0.05};
-  const SolveTimes none = run("ode_quickstep{iterations=0}", problem, batches).times;
-  const SolveTimes few = run("ode_quickstep{iterations=100}", problem, batches).times;
-  const SolveTimes many = run("ode_quickstep{iterations=10000}", problem, batches).times;
-  EXPECT_GT(few.solve_cpu_s, 0);
-  EXPECT_GT(many.solve_cpu_s, 10 * few.solve_cpu_s);
-  EXPECT_LT(none.solve_cpu_s, 0.1 * many.solve_cpu_s);  // a difference of two short times: 0 but for noise
-  EXPECT_LT(many.setup_cpu_s, 0.5 * many.solve_cpu_s);
 }
 
 }  // namespace

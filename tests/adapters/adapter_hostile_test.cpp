@@ -1,16 +1,17 @@
 // The adapters on problems that are no friends of a library: an answer comes back, or a reason, and the next problem is
 // solved as if nothing had been. What ends a library's process costs that one answer. Every library runs in its worker,
 // as in a study.
-#include <cstdio>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
-#include "study/run/open_solver.h"
+#include "tests/adapters/library_runs.h"
+#include "tests/support/contacts.h"
 
 namespace lcpbench::adapter_hostile_test {
 namespace {
+
+using testing::frictionless;
 
 const char* const kSolvers[] = {"dart_lemke",
                                 "dart_dantzig",
@@ -22,12 +23,6 @@ const char* const kSolvers[] = {"dart_lemke",
                                 "simbody_plus{cone=true}",
                                 "bullet_si",
                                 "bullet_nncg"};
-
-bool missing(const std::string& solver) {
-  const std::string& why = find_solver(parse_spec(solver).name).unavailable;
-  if (!why.empty()) std::printf("%s: not built: %s\n", solver.c_str(), why.c_str());
-  return !why.empty();
-}
 
 /// A ball of 2 kg that falls at an angle onto `contacts` times the same point.
 RigidScene ball(int contacts, double mu, double speed, double mass = 2.0) {
@@ -47,14 +42,7 @@ Problem squeezed() {
 
 /// (q, M) of contacts without friction.
 Problem smooth(Matrix M, const Vector& q, const std::string& name) {
-  ContactProblem contact;
-  contact.v = q;
-  contact.N = Matrix(Matrix::Identity(q.size(), q.size()));
-  contact.D = Matrix(q.size(), 0);
-  contact.edges.assign(static_cast<std::size_t>(q.size()), 0);
-  contact.mu = Vector::Zero(q.size());
-  contact.inertia = InverseInertia{std::move(M)};
-  return Problem(name, contact);
+  return Problem(name, frictionless(q, Matrix::Identity(q.size(), q.size()), InverseInertia{std::move(M)}));
 }
 
 std::vector<Problem> hostile_problems() {
@@ -120,17 +108,6 @@ TEST(AdapterHostileTest, NoLibraryIsGivenAnInfinity) {
     EXPECT_EQ(result.answer.claim, Claim::kUnsupported) << name << ": " << result.answer.detail;
     EXPECT_NE(result.answer.detail.find("overflows"), std::string::npos) << name << ": " << result.answer.detail;
   }
-}
-
-TEST(AdapterHostileTest, SiconosIsNotAskedToDivideByZero) {
-  if (missing("siconos_fc3d")) GTEST_SKIP();
-  const Problem still = smooth(Vector{{1.0, 0.0}}.asDiagonal(), Vector{{-1.0, 0.5}}, "one that nothing moves");
-  TimedAnswer result;
-  open_solver(parse_spec("siconos_fc3d"))->run(still, {}, result);
-  EXPECT_EQ(result.answer.claim, Claim::kUnsupported) << result.answer.detail;
-  EXPECT_TRUE(result.answer.detail.starts_with("contact 1: its normal impulse does not raise its normal velocity"));
-  open_solver(parse_spec("siconos_fc3d{method=nsn_ac}"))->run(still, {}, result);
-  EXPECT_EQ(result.answer.claim, Claim::kSolved) << result.answer.detail;
 }
 
 }  // namespace

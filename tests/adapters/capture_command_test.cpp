@@ -151,23 +151,6 @@ TEST_P(CaptureEngine, ContactsKeepTheirNames) {
   EXPECT_GE(2 * kept, static_cast<std::ptrdiff_t>(after.size()));
 }
 
-/// A number in MuJoCo's list of contacts is another pair's as soon as a contact before it comes or goes.
-TEST_F(Capture, ASoftContactKeepsItsNameWithItsBodies) {
-  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
-  const ScenesFile file = captured("sphere-pile", "mujoco", "--soft --steps 150 --every 5");
-  std::map<std::string, std::set<Index>> bodies_of;
-  for (std::size_t i = 0; i < file.count(); ++i) {
-    const SceneStep step = file.read(i);
-    for (std::size_t c = 0; c < step.contact_ids.size(); ++c) {
-      std::set<Index> bodies;
-      const Jacobian& N = step.problem.contact()->N;
-      for_each_entry(N, static_cast<Index>(c), [&](Index row, double) { bodies.insert(row / 6); });
-      EXPECT_EQ(bodies_of.emplace(step.contact_ids[c], bodies).first->second, bodies) << step.contact_ids[c];
-    }
-  }
-  EXPECT_GT(bodies_of.size(), 100U);
-}
-
 /// Leaning cards have solutions of friction in which they slip, and one in which the house rests.
 TEST_P(CaptureEngine, ACardHouseStandsWhereASolverRests) {
   const ScenesFile file = captured("card-house", GetParam(), "--loop auto --steps 300 --every 20");
@@ -212,14 +195,6 @@ TEST_P(CaptureEngine, ASolverInTheLoopMovesTheSceneOn) {
   }
   EXPECT_GT(fastest, 0.1);
   EXPECT_GT(step.problem.contact()->nc(), 0);
-}
-
-/// Exact velocities keep a heavy load on top of light boxes, on which the engines' own solvers let it sink.
-TEST_P(CaptureEngine, ASolverInTheLoopHoldsAHeavyLoad) {
-  const ScenesFile file = captured("mass-ratio-1e4", GetParam(), "--loop auto --steps 200 --every 20");
-  const SceneStep step = file.read(file.count() - 1);
-  EXPECT_GE(step.step, 160);
-  for (const double gap : step.gap) EXPECT_GT(gap, -5e-3);
 }
 
 /// A contact that opens by a rounding error is not lost, which would let the load on it fall for a step. The engine's own
@@ -286,15 +261,6 @@ TEST_F(Capture, MuJoCosRobotsMoveAsTheirBlocksSay) {
   EXPECT_EQ(captured("closed-chain", "mujoco", "--steps 200").read(0).problem.contact()->ngc(), 9);
 }
 
-TEST_F(Capture, DartStandsARobotOnItsFeet) {
-  if (!installed("dart")) GTEST_SKIP() << "dart is not installed";
-  const ScenesFile file = captured("quadruped-standing", "dart", "--steps 400 --every 50");
-  ASSERT_GE(file.count(), 3U);
-  const SceneStep step = file.read(file.count() - 1);
-  EXPECT_EQ(step.problem.contact()->ngc(), 18);
-  EXPECT_GE(step.problem.contact()->nc(), 2);
-}
-
 TEST_F(Capture, TakesAModelOfTheUsers) {
   if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
   std::ofstream(folder_ / "ball.xml")
@@ -309,44 +275,6 @@ TEST_F(Capture, TakesAModelOfTheUsers) {
   EXPECT_NE(wrong.err.find("model 'out'"), std::string::npos) << wrong.err;
 }
 
-TEST_F(Capture, KeepsEqualityConstraintsOfSmallCoefficients) {
-  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
-  std::ofstream(folder_ / "pulley.xml") << R"(<mujoco><worldbody><geom type="plane" size="9 9 .1"/>
-    <body name="box" pos="0 0 .099"><freejoint/><geom type="box" size=".1 .1 .1"/>
-      <body pos=".3 0 0"><joint name="hinge" axis="0 1 0"/><geom type="sphere" size=".03"/></body></body></worldbody>
-    <tendon><fixed name="pulley"><joint joint="hinge" coef="0.005"/></fixed></tendon>
-    <equality><tendon tendon1="pulley"/><connect body1="box" anchor="3 0 0"/></equality></mujoco>)";
-  const ScenesFile file = captured("pulley", "mujoco", "--model pulley.xml --steps 1 --every 1");
-  EXPECT_EQ(file.read(0).problem.contact()->ngc(), 7 - 4);
-}
-
-/// A robot with a free base, a ground and an arm. URDF has no ground and no place for a free base but a joint of the
-/// type "floating" at a link "world".
-constexpr const char* kUrdf = R"(<robot name="hopper">
-  <link name="world"><collision><origin xyz="0 0 -0.5"/><geometry><box size="4 4 1"/></geometry></collision></link>
-  <joint name="free" type="floating"><parent link="world"/><child link="base"/><origin xyz="0 0 0.11"/></joint>
-  <link name="base"><inertial><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
-  <joint name="arm" type="revolute"><parent link="base"/><child link="hand"/><origin xyz="0 0 0.15"/><axis xyz="0 1 0"/>
-    <limit lower="-0.5" upper="0.5" effort="10" velocity="10"/></joint>
-  <link name="hand"><inertial><origin xyz="0.1 0 0.1"/><mass value="0.5"/><inertia ixx="0.002" iyy="0.002" izz="0.002" ixy="0"
-    ixz="0" iyz="0"/></inertial></link>
-</robot>)";
-
-TEST_F(Capture, TheEnginesAnswerIsOneOfTheSolvers) {
-  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const SceneStep step = captured("wedge", "ode", "--steps 41 --every 40").read(0);
-  const ProgramRun run = run_program(folder_, "solve 'wedge.scenes#" + std::to_string(step.step) + "' --format json");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto attempts = nlohmann::json::parse(run.out);
-  const auto engine =
-      std::find_if(attempts.begin(), attempts.end(), [](const auto& each) { return each["solver"] == "engine"; });
-  ASSERT_NE(engine, attempts.end());
-  EXPECT_EQ(engine->at("claim"), "solved");
-  EXPECT_EQ(engine->at("z").at(0).get<double>(), step.engine_impulses(0));
-  EXPECT_TRUE(engine->at("time").at("solve_s").is_null()) << "nobody measured the engine";
-}
-
 /// The step that the solver of the loop fails on is kept: it is the one to look at.
 TEST_F(Capture, ASolverThatFailsEndsTheCapture) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
@@ -355,27 +283,6 @@ TEST_F(Capture, ASolverThatFailsEndsTheCapture) {
   EXPECT_NE(run.err.find("step 0: psor{max_iterations=3} did not solve it: iteration_limit"), std::string::npos)
       << run.err;
   EXPECT_EQ(ScenesFile((folder_ / "failed.scenes").string()).count(), 1U);
-}
-
-TEST_F(Capture, MuJoCoReadsARobotInUrdf) {
-  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
-  std::ofstream(folder_ / "robot.urdf") << kUrdf;
-  const ScenesFile file = captured("hopper", "mujoco", "--model robot.urdf --steps 200 --every 10");
-  ASSERT_GE(file.count(), 5U);
-  const SceneStep step = file.read(file.count() - 1);
-  EXPECT_EQ(step.problem.contact()->ngc(), 7);
-  EXPECT_GE(step.problem.contact()->nc(), 3);
-}
-
-TEST_F(Capture, SaysWhenAContactHasTwoFrictions) {
-  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
-  std::ofstream(folder_ / "skate.xml") << R"(<mujoco><worldbody><geom name="ice" type="plane" size="1 1 1"/>
-    <body pos="0 0 0.1"><freejoint/><geom name="skate" type="box" size=".1 .1 .1"/></body></worldbody>
-    <contact><pair geom1="ice" geom2="skate" friction="0.1 0.9 0.005 0.0001 0.0001"/></contact></mujoco>)";
-  const ProgramRun run = capture("skate --model skate.xml --steps 50 --out skate.scenes");
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.err.find("friction 0.1 and 0.9"), std::string::npos) << run.err;
-  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
 }
 
 TEST_F(Capture, NamesWhatIsWrong) {

@@ -25,14 +25,6 @@ TEST_F(Capture, KeepsTheStepsUntilAnInterrupt) {
   expect_step_three("stopped.scenes");
 }
 
-TEST_F(Capture, AnInterruptWithinTheHeaderLeavesNoStep) {
-  stand_in("printf '{\"format\":\"lcp' > \"$5\"\ntouch ready\nexec sleep 100");
-  EXPECT_EQ(capture_stand_in("stopped.scenes", "", kInterrupt), 3);
-  EXPECT_NE(read_file(folder_ / "err").find("no step of 'stack' was captured"), std::string::npos)
-      << read_file(folder_ / "err");
-  EXPECT_FALSE(fs::exists(folder_ / "stopped.scenes"));
-}
-
 TEST_F(Capture, SaysWhyThereIsNoStep) {
   stand_in(": > \"$5\"");
   EXPECT_EQ(capture_stand_in("none.scenes"), 1);

@@ -45,23 +45,6 @@ TEST(CloseParts, ABoxThatIsOpenByAHairTouchesWithItsCorners) {
   EXPECT_TRUE(on_ground(box(0.5, 0.4, 0.3), {2, 0, 0.3 + 1.1e-4}).empty());
 }
 
-// The axis across two edges that are parallel but for rounding is rounding error.
-TEST(CloseParts, BoxesThatAreParallelToRoundingAreGivenTheSameAxes) {
-  Scene scene = capture::scene("s", "", 0.5);
-  scene.bodies.push_back(solid({box(0.5, 0.5, 0.5)}, 1, {0, 0, 0.5}));
-  int calls = 0;
-  for (const double angle : {1e-14, 1e-6}) {
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Vector3d::UnitX()));
-    const std::vector<Pose> poses = {{scene.bodies[0].position, {1, 0, 0, 0}}, {{0, 0, 0.5}, turn}};
-    close_parts(scene, poses, [&](const PlacedPart& a, const PlacedPart& b, std::vector<Touch>& touches) {
-      EXPECT_EQ(a.axes == b.axes, angle < 1e-9);
-      ++calls;
-      corners(a, b, touches);
-    });
-  }
-  EXPECT_EQ(calls, 4);
-}
-
 TEST(CloseParts, BallsAreAsFarAsTheirClosedFormsSay) {
   for (const double gap : {1e-13, 9e-5, -0.01}) {
     const std::vector<Touch> touches = on_ground(sphere(0.2), {1, 0, 0.2 + gap});
@@ -108,11 +91,6 @@ TEST(CloseParts, AnOpenContactWaitsUntilItCanBounce) {
   EXPECT_TRUE(waits_to_bounce(scene, 5e-5, -1));
   EXPECT_FALSE(waits_to_bounce(scene, 5e-5, -0.1));
   EXPECT_FALSE(waits_to_bounce(scene, -5e-5, -1));
-}
-
-TEST(CloseParts, AGapOfLessThanANanometreIsClosed) {
-  EXPECT_EQ(contact_offset(0.9e-9, 0.005, 0, -1), 0);
-  EXPECT_EQ(contact_offset(2e-9, 0.005, 0, -1), 2e-9 / 0.005);
 }
 
 }  // namespace

@@ -122,31 +122,5 @@ TEST_F(ExternalEngine, WhatIsNoEngineIsOneLine) {
   EXPECT_NE(joints.err.find("scene 'hand' has joints"), std::string::npos) << joints.err;
 }
 
-/// So many contacts that compressing and checking them would take long: the interrupted capture keeps its text.
-TEST_F(ExternalEngine, AnInterruptDoesNotWaitForAHugeStep) {
-  std::ofstream(folder_ / "many.py") << R"(import json, sys, time
-for line in sys.stdin:
-    asked = json.loads(line)
-    if asked["verb"] == "scene":
-        motions = [body["motion"] for body in asked["bodies"]]
-        contact = {"bodies": [1, 0], "point": [0, 0, 0], "normal": [0, 0, 1], "gap": 0}
-        print(json.dumps({"engine": "many", "version": "1"}), flush=True)
-    else:
-        print(json.dumps({"contacts": 90000 * [contact], "motions": motions}), flush=True)
-        sys.stdin.readline()
-        open("asked", "w").close()
-        time.sleep(1000)
-)";
-  const std::string script =
-      "cd '" + folder_.string() +
-      "'; '" LCPBENCH_PROGRAM
-      "' capture bouncing-balls --engine 'external{command=python3 many.py}' --every 1 --out m.scenes "
-      ">out 2>err & until [ -e asked ]; do sleep 0.1; done; kill -TERM $!; wait $!";
-  const int status = std::system(script.c_str());
-  EXPECT_EQ(WEXITSTATUS(status), 3) << read_file(folder_ / "err");
-  EXPECT_NE(read_file(folder_ / "out").find("; none was read back"), std::string::npos) << read_file(folder_ / "out");
-  EXPECT_EQ(ScenesFile((folder_ / "m.scenes").string()).read(0).contact_ids.size(), 90000U);
-}
-
 }  // namespace
 }  // namespace lcpbench::external_engine_test

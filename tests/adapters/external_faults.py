@@ -70,10 +70,6 @@ def not_utf_8(problem):
     sys.stdout.buffer.flush()
 
 
-def words(problem):
-    return {"claim": "solved", "z": right(problem)["z"], "detail": "|".join(sys.argv[1:])}
-
-
 def where(problem):
     return {"claim": "solved", "z": right(problem)["z"], "detail": os.getcwd()}
 
@@ -109,19 +105,6 @@ def daemon(problem):
     return {"claim": "iteration_limit", "iterations": start_daemon()}
 
 
-def orphan(problem):
-    if os.fork() == 0:
-        os.fork()
-        os._exit(0)
-    os.wait()
-    return right(problem)
-
-
-def daemon_and_exit(problem):
-    print("daemon", start_daemon(), file=sys.stderr, flush=True)
-    os._exit(1)
-
-
 def daemon_and_sleep(problem):
     start_daemon()
     sleep_for_ever(problem)
@@ -144,15 +127,12 @@ behaviours = {
     "cache": cache,
     "write": write,
     "daemon": daemon,
-    "orphan": orphan,
-    "daemon and exit": daemon_and_exit,
     "daemon and sleep": daemon_and_sleep,
     "late line": lambda problem: say(last_answer) or sleep_for_ever(problem),
     "key twice": raw('{"claim": "solved", "z": [1, 1, 1, 1, 1], "z": [0.5, 0.5, 0.5, 0.5, 0.5]}'),
     "wrong number": with_fields(sequence=1),
     "no number": with_fields(sequence=None),
     "start": lambda problem: {**right(problem), "detail": str(request.get("start"))},
-    "words": words,
     "where": where,
     "chatter": chatter,
     "fork": fork_a_child,

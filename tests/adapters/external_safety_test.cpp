@@ -13,30 +13,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/prctl.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
-#include "adapters/worker/child_processes.h"
-#include "adapters/worker/asked_program.h"
-#include "adapters/worker/worker_protocol.h"
 #include "core/io/problem_io.h"
 #include "tests/adapters/external_client.h"
-
-namespace {
-bool g_nothing_dies = false;
-}
-
-/// In the place of the C library's.
-extern "C" int kill(pid_t process, int signal_number) noexcept {
-  return g_nothing_dies ? 0 : static_cast<int>(syscall(SYS_kill, process, signal_number));
-}
-
-/// As on a machine where a look at all processes takes long.
-extern "C" int nanosleep(const timespec* pause, timespec* left) {
-  timespec longer = *pause;
-  if (g_nothing_dies) longer.tv_nsec = 20'000'000;
-  return static_cast<int>(syscall(SYS_nanosleep, &longer, left));
-}
 
 namespace lcpbench {
 namespace {
@@ -75,94 +55,6 @@ TEST(ExternalSafetyTest, DaemonsEndWithTheSolver) {
     EXPECT_FALSE(has_ended(daemon)) << "it may live while its program does";
   }
   EXPECT_TRUE(ends_within(60.0, daemon));
-}
-
-TEST(ExternalSafetyTest, OrphansThatEndedLeaveNoZombies) {
-  const auto solver = client();
-  for (int i = 0; i < 5; ++i) run(*solver, "orphan");
-  const std::vector<pid_t> workers = children_of(getpid());
-  ASSERT_EQ(workers.size(), 1U);
-  const double deadline_s = wall_clock_s() + 30.0;
-  do {  // a busy machine may take long to end them; each answer brings in those that have ended
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    expect_right(*solver);
-  } while (children_of(workers[0]).size() != 1 && wall_clock_s() < deadline_s);
-  EXPECT_EQ(children_of(workers[0]).size(), 1U) << "the program alone";
-}
-
-TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
-  const auto solver = client();
-  const Answer answer = run(*solver, "daemon and exit");
-  EXPECT_STREQ(to_string(answer.claim), "crashed");
-  const std::size_t name = answer.detail.find("stderr: daemon ");
-  ASSERT_NE(name, std::string::npos) << answer.detail;
-  EXPECT_TRUE(ends_within(60.0, std::stoi(answer.detail.substr(name + 15))));
-  expect_right(*solver);
-}
-
-/// A worker whose program started a daemon at once.
-class WorkerWithDaemonTest : public ::testing::Test {
- protected:
-  WorkerWithDaemonTest() {
-    ask("");
-    const std::vector<pid_t> workers = children_of(getpid());
-    if (workers.size() == 1) worker_ = workers[0];
-    for (const pid_t program : children_of(worker_)) {
-      for (const pid_t child : children_of(program)) daemon_ = child;
-    }
-  }
-  void SetUp() override {
-    ASSERT_GT(daemon_, 0);
-    ASSERT_FALSE(has_ended(daemon_));
-  }
-
-  /// The worker's answer.
-  std::string ask(const std::string& question) {
-    return process_.ask(question, worker::message_size, worker::response_capacity({}), wall_clock_s() + 20.0);
-  }
-
-  /// Why there is none.
-  std::string failure(const std::string& question) {
-    try {
-      return "an answer of " + std::to_string(ask(question).size()) + " bytes";
-    } catch (const worker::NoAnswer& none) {
-      return none.what();
-    }
-  }
-
-  worker::AskedProgram process_{{EXTERNAL_WORKER, std::to_string(WorkerLimits{}.memory_bytes), "20",
-                                 "external{command=sh -c 'setsid sleep 1000 & exec " EXTERNAL_FAULTS "'}"},
-                                worker::AskedProgram::Channel::kSocket};
-  pid_t worker_ = 0;
-  pid_t daemon_ = 0;
-};
-
-TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatGivesUp) {
-  EXPECT_EQ(failure(std::string(worker::kFrameBytes, 'x')),
-            "exited with code 70 without an answer; stderr: no message: wrong magic number");
-  EXPECT_TRUE(ends_within(60.0, daemon_));
-}
-
-TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatCrashes) {
-  ASSERT_EQ(kill(worker_, SIGABRT), 0);
-  EXPECT_TRUE(ends_within(60.0, daemon_));
-  EXPECT_EQ(failure(""), "killed by signal 6 (SIGABRT) without an answer");
-}
-
-TEST(ChildProcessesTest, ChildrenThatCannotBeEndedAreWaitedForByTheClock) {
-  const pid_t child = fork();
-  if (child == 0) {
-    for (;;) pause();
-  }
-  g_nothing_dies = true;
-  const double begin_s = wall_clock_s();
-  worker::end_children();
-  const double took_s = wall_clock_s() - begin_s;
-  g_nothing_dies = false;
-  worker::end_children();
-  EXPECT_TRUE(has_ended(child));
-  EXPECT_GE(took_s, 0.3);
-  EXPECT_LT(took_s, 2.0);
 }
 
 pid_t start_lcpbench_solve(const std::string& problem, const std::string& solver) {

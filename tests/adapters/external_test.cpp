@@ -95,14 +95,6 @@ TEST(ExternalTest, ProgramThatEndedBetweenProblemsIsStartedAnew) {
   expect_right(*solver);
 }
 
-TEST(ExternalTest, ProblemAfterANewStartHasTheTimeLimitOfAnyOther) {
-  const auto solver = client();
-  end_between_problems(*solver);
-  const Answer answer = run(*solver, "sleep", kImpatient);
-  EXPECT_STREQ(to_string(answer.claim), "time_limit");
-  EXPECT_NE(answer.detail.find("no answer within"), std::string::npos) << answer.detail;
-}
-
 TEST(ExternalTest, CountersAndDetailArrive) {
   const Answer answer = run(*client(), "counters");
   EXPECT_STREQ(to_string(answer.claim), "solved");
@@ -119,12 +111,6 @@ TEST(ExternalTest, OutputGoesNowhereAndMegabytesOfItAreNoTrouble) {
   const std::string printed = ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
   EXPECT_STREQ(to_string(answer.claim), "solved") << answer.detail;
   EXPECT_EQ(printed, "");
-}
-
-TEST(ExternalTest, CommandsHaveArguments) {
-  EXPECT_EQ(run(*client(EXTERNAL_FAULTS " one --two=2 'three and' \"a half\""), "words").detail,
-            "one|--two=2|three and|a half");
-  EXPECT_EQ(run(*client("python3 " EXTERNAL_FAULTS " x"), "words").detail, "x");
 }
 
 TEST(ExternalTest, ProgramRunsWhereLcpbenchWasStarted) {
@@ -155,37 +141,6 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
   EXPECT_NE(start_error("sh -c 'echo missing licence >&2; exit 3'").find("stderr: missing licence"), std::string::npos);
   EXPECT_NE(start_error("").find("command"), std::string::npos);
   EXPECT_NE(start_error("'open").find("an open quote"), std::string::npos);
-}
-
-TEST(ExternalTest, ProgramThatDoesNotStartAgainIsReportedAndBlamesNoProblem) {
-  const Scratch scratch;
-  const std::string mark = scratch.file("started");
-  const auto solver = client("sh -c 'test -e " + mark + " && exit 3; : > " + mark + "; exec " EXTERNAL_FAULTS "'");
-  end_between_problems(*solver);
-  try {
-    ADD_FAILURE() << to_string(run(*solver, "right").claim);
-  } catch (const WorkerError& error) {
-    EXPECT_NE(std::string(error.what()).find("flush it: exited with code 3"), std::string::npos) << error.what();
-  }
-  std::filesystem::remove(mark);
-  expect_right(*solver);
-}
-
-// "On one line, without our own words for processes": the program, what happened, what to do.
-TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
-  EXPECT_EQ(
-      start_error("sh -c 'echo no licence >&2; exit 3'"),
-      "solver 'external' does not start: the program 'sh -c 'echo no licence >&2; exit 3'' did not print "
-      "{\"sequence\": 1} as its first line, and flush it: exited with code 3 without an answer; stderr: no licence; "
-      "run it in a terminal to see why (docs/reference/external.md)");
-}
-
-// Asked again in version 1, a program of version 2 fails for another reason: it looks for the number.
-TEST(ExternalTest, ProgramThatStartsWithABannerIsToldOfThatFirst) {
-  const std::string error = start_error("sh -c 'read line; case $line in *sequence*) echo Mine 1.0;; *) exit 4; esac'");
-  const auto banner = error.find("flush it: printed another line: line: column 1: not valid JSON");
-  ASSERT_NE(banner, std::string::npos) << error;
-  EXPECT_NE(error.find("then, asked in version 1: exited with code 4", banner), std::string::npos) << error;
 }
 
 /// Seconds until a silent program is given up.
@@ -322,18 +277,6 @@ TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
   EXPECT_GE(times.transport_s, 0.2);
   EXPECT_EQ(times.repeats, 1);
   EXPECT_LE(times.setup_wall_s + times.solve_wall_s + times.transport_s, all_s) << "nothing counts twice";
-}
-
-TEST(ExternalTest, TimeLimitIsKept) {
-  const auto solver = client(EXTERNAL_FAULTS, "lcp", {.grace_s = 30});
-  expect_right(*solver);  // starting takes its time
-  const double begin_s = wall_clock_s();
-  TimedAnswer result;
-  solver->run(named("sleep"), kImpatient, result);
-  EXPECT_STREQ(to_string(result.answer.claim), "time_limit");
-  EXPECT_LT(wall_clock_s() - begin_s, 30.0);  // the program is ended at 0.3 s, not the worker at 30.3 s
-  EXPECT_NE(result.answer.detail.find("no answer within"), std::string::npos) << result.answer.detail;
-  EXPECT_GE(result.times.solve_wall_s, 0.3);
 }
 
 TEST(ExternalTest, ProblemsOfTheOtherFormsAreRefusedOrGiven) {

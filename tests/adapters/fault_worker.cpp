@@ -178,7 +178,6 @@ class Fault final : public Solver {
         {"throw int", [](A&) { throw 7; }},
         {"too many entries", [](A& a) { a.z = Vector::Zero(100000); }},
         {"velocity of an LCP", [](A& a) { a.velocity = Vector::Zero(1); }},
-        {"long detail", [](A& a) { a.detail.assign(5000, '\n'); }},
         {"pid", [](A& a) { a.z(0) = getpid(); }},
         {"make a file", [](A& a) { a.z(0) = can_make_a_file() ? 1 : 0; }},
         {"open descriptors", [](A& a) { a.z(0) = open_descriptors(); }},

@@ -138,12 +138,6 @@ TEST_F(FclibTest, GlobalProblemsOfEveryStorage) {
   }
 }
 
-// fclib.h says rows in p, Siconos writes columns there: H is not square, so its sizes tell.
-TEST_F(FclibTest, TripletsOfTheHeadersOrderAreKnownByTheSizes) {
-  const Problem problem = read_fclib(global(Stored(kM, kColumns), Stored(kH, kTriplets, true), kNoW), false);
-  EXPECT_EQ(to_dense(problem.contact()->N), (Matrix{{1, 0}, {0, 0}, {0, 1}}));
-}
-
 TEST_F(FclibTest, TheVelocityOfTheSurroundingsIsAnOffset) {
   const auto read = [&](const std::vector<double>& w, int dimension) {
     return *read_fclib(global(Stored(kM, kColumns), Stored(kH, kColumns), w, nullptr, dimension), false).contact();
@@ -175,15 +169,6 @@ TEST_F(FclibTest, LocalProblems) {
   EXPECT_EQ(read.v, (Vector{{-1, 0.25, 0.125}}));
   EXPECT_EQ(to_dense(read.N), (Matrix{{1}, {0}, {0}}));
   EXPECT_EQ(to_dense(read.D), (Matrix{{0, 0, 0, 0}, {1, 0, -1, 0}, {0, 1, 0, -1}}));
-}
-
-TEST_F(FclibTest, StoredSolutionsAreNotRead) {
-  const std::string file = local(Stored(Matrix::Identity(3, 3), kRows));
-  const std::string before = problem_hash(read_fclib(file, false));
-  std::vector<double> zeros(3, 0.0);
-  fclib_solution solution{nullptr, zeros.data(), zeros.data(), nullptr};
-  ASSERT_EQ(fclib_write_solution(&solution, file.c_str()), 1);
-  EXPECT_EQ(problem_hash(read_fclib(file, false)), before);
 }
 
 TEST_F(FclibTest, AsymmetryIsNamedAndMayBeTakenOut) {
@@ -339,35 +324,10 @@ TEST_F(FclibTest, NoLinkToAnotherFileIsFollowed) {
   fs::remove(kLinked);
 }
 
-class ImportTest : public FclibTest {
- protected:
-  /// By the command, or by a copy of it in the folder.
-  ProgramRun import(const std::string& arguments) const { return run_program(folder_, "import fclib " + arguments); }
-
-  /// Beside a copy of the program, a stand-in for the one that reads HDF5.
-  void stand_in(const std::string& commands) const {
-    fs::copy_file(LCPBENCH_PROGRAM, folder_ / "lcpbench");
-    std::ofstream(folder_ / "lcpbench-import-fclib") << "#!/bin/sh\n" << commands << "\n";
-    fs::permissions(folder_ / "lcpbench-import-fclib", fs::perms::owner_all);
-    std::ofstream(path("out.scenes")) << "old";
-  }
-
-  /// Starts the copy in the background of a shell, and runs the shell's commands when the stand-in is ready.
-  int with_import(const std::string& then) const {
-    const std::string command = "cd '" + folder_.string() +
-                                "' && { ./lcpbench import fclib in --out out.scenes >out 2>err & "
-                                "until [ -s ready ]; do sleep 0.02; done; program=$!; " +
-                                then + "; }";
-    return WEXITSTATUS(std::system(command.c_str()));
-  }
-};
-
-constexpr const char* kForever = "echo $$ > ready\nwhile :; do echo x >> \"$1\"; sleep 0.01; done";
-
-TEST_F(ImportTest, WritesAScenesFile) {
+TEST_F(FclibTest, WritesAScenesFile) {
   const std::string first = local(Stored(Matrix::Identity(3, 3), kRows));
   fs::copy(first, path("second.hdf5"));
-  const ProgramRun run = import("problem.hdf5 second.hdf5 --out out.scenes");
+  const ProgramRun run = run_program(folder_, "import fclib problem.hdf5 second.hdf5 --out out.scenes");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.out, "out.scenes#0: problem.hdf5, 1 contacts\nout.scenes#1: second.hdf5, 1 contacts\n");
   const ScenesFile scenes(path("out.scenes"));
@@ -376,38 +336,14 @@ TEST_F(ImportTest, WritesAScenesFile) {
   EXPECT_EQ(scenes.read(1).problem.name(), "second.hdf5");
 }
 
-TEST_F(ImportTest, AFileThatCannotBeReadLeavesTheOldOutput) {
+TEST_F(FclibTest, AFileThatCannotBeReadLeavesTheOldOutput) {
   local(Stored(Matrix::Identity(3, 3), kRows));
   std::ofstream(path("out.scenes")) << "old";
-  const ProgramRun run = import("problem.hdf5 /etc/passwd --out out.scenes");
+  const ProgramRun run = run_program(folder_, "import fclib problem.hdf5 /etc/passwd --out out.scenes");
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_EQ(run.err, "lcpbench: /etc/passwd: cannot be opened as an HDF5 file\n");
   EXPECT_EQ(read_file(path("out.scenes")), "old");
   EXPECT_FALSE(fs::exists(path("out.scenes.part")));
-}
-
-TEST_F(ImportTest, AnInterruptEndsTheProgramThatReads) {
-  stand_in(kForever);
-  EXPECT_EQ(with_import("kill -TERM $program; wait $program"), 3);
-  EXPECT_FALSE(runs_on(folder_ / "ready"));
-  EXPECT_EQ(read_file(path("out.scenes")), "old");
-  EXPECT_FALSE(fs::exists(path("out.scenes.part")));
-}
-
-TEST_F(ImportTest, TheProgramThatReadsEndsWithTheCommand) {
-  stand_in(kForever);
-  with_import("kill -KILL $program");
-  EXPECT_FALSE(runs_on(folder_ / "ready"));
-  EXPECT_EQ(read_file(path("out.scenes")), "old");
-}
-
-TEST_F(ImportTest, ASecondCommandWithTheSameOutputIsRefused) {
-  stand_in(kForever);
-  EXPECT_EQ(with_import("./lcpbench import fclib in --out out.scenes 2>second; code=$?; kill -TERM $program; "
-                        "wait $program; exit $code"),
-            2);
-  EXPECT_EQ(read_file(folder_ / "second"),
-            "lcpbench: out.scenes: cannot be written: another process is writing it\n");
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
 add_executable(fault_worker adapters/fault_worker.cpp)
 target_link_libraries(fault_worker PRIVATE lcpbench_worker_runtime)
-add_executable(worker_parent adapters/worker_parent.cpp)
-target_link_libraries(worker_parent PRIVATE lcpbench_adapters)
 
 lcpbench_room(protocol)
 lcpbench_test(worker_protocol APART LINK lcpbench_adapters)
-lcpbench_test(worker APART WITH adapters/worker_empty_poll.cpp LINK lcpbench_adapters NEEDS fault_worker worker_parent
-  DEFINE FAULT_WORKER="$<TARGET_FILE:fault_worker>" WORKER_PARENT="$<TARGET_FILE:worker_parent>")
+lcpbench_test(worker APART LINK lcpbench_adapters NEEDS fault_worker
+  DEFINE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
 
 # Foreign libraries are loaded by the workers and by nothing else.
 function(lcpbench_links_test name target expectation)
@@ -48,7 +46,7 @@ lcpbench_test(adapter_path)
 
 # Programs of a user's own: the example's, and one that misbehaves.
 lcpbench_test(external APART AND external_safety
-  WITH adapters/worker_empty_poll.cpp ${PROJECT_SOURCE_DIR}/adapters/worker/child_processes.cpp
+  WITH adapters/worker_empty_poll.cpp
   LINK lcpbench_study lcpbench_adapters lcpbench_generators lcpbench_solver_list lcpbench_external_json
   NEEDS lcpbench lcpbench-worker-external
   DEFINE EXTERNAL_WORKER="$<TARGET_FILE:lcpbench-worker-external>"

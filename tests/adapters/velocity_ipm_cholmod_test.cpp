@@ -51,13 +51,6 @@ TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnAWallWhateverItsSe
   }
 }
 
-TEST_F(VelocityIpmCholmodTest, SolvesAProblemWithoutContacts) {
-  RigidScene brick = testing::brick_wall(1, 1);
-  brick.contacts.clear();
-  const Answer answer = solve("velocity_ipm_cholmod", Problem("no contacts", brick));
-  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-}
-
 // Dense inertia is one block; redundant contacts and conditioning of 1e5 as in the paper. The answers of both are good
 // to the rounding of the problem times its condition.
 TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnMonotoneProblems) {
@@ -77,15 +70,6 @@ TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnMonotoneProblems) 
   }
 }
 
-TEST_F(VelocityIpmCholmodTest, WithoutTheFinishContactsThatPartHaveNoImpulses) {
-  const Problem problem = open_set("rigid/exp1")->generate(3, 0);
-  const Answer native = solve("velocity_ipm{algebra=sparse,finish=false}", problem);
-  const Answer answer = solve("velocity_ipm_cholmod{finish=false}", problem);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_GT((native.z.array() == 0).count(), 0);
-  EXPECT_EQ((answer.z.array() == 0).count(), (native.z.array() == 0).count());
-}
-
 TEST_F(VelocityIpmCholmodTest, SparseScenesOf10000ContactsPassThroughTheWorker) {
   const Problem wall("wall", testing::brick_wall(32, 40));
   ASSERT_GE(wall.size(), 9900);
@@ -93,41 +77,6 @@ TEST_F(VelocityIpmCholmodTest, SparseScenesOf10000ContactsPassThroughTheWorker) 
   ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_LE(answer.counters.iterations, kMostSteps);
   EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-11);
-}
-
-// An inertia of condition 1e15, on which its own residual in double is misled.
-TEST_F(VelocityIpmCholmodTest, ClaimsOnlyWhatPassesTheTestOfAllNativeSolvers) {
-  ContactProblem contact;
-  contact.v = testing::vector_of({-0.6, 0.5});
-  contact.N = Matrix{{-1.0}, {-4.0}};
-  contact.D = Matrix(2, 0);
-  contact.edges = {0};
-  contact.mu = Vector::Zero(1);
-  contact.inertia = DenseInertia{Matrix{{81.0000000000001, 54}, {54, 36.0000000000001}}};
-  const Problem problem("nearly singular", contact);
-  const Answer answer = solve("velocity_ipm_cholmod", problem);
-  if (answer.claim == Claim::kSolved) {
-    EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
-  } else {
-    EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
-    EXPECT_EQ(answer.detail, "residual");
-  }
-}
-
-TEST_F(VelocityIpmCholmodTest, SolvesEveryIslandInItsOwnScale) {
-  const Problem problem = testing::two_chains(1e10, 1e-4, testing::Storage::kSparse);
-  const Answer answer = solve("velocity_ipm_cholmod", problem);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  const Errors errors = Evaluator(problem).errors(answer);
-  EXPECT_TRUE(errors.solved) << errors.velocity_residual_relative;
-}
-
-TEST_F(VelocityIpmCholmodTest, StopsAtItsLimits) {
-  const Problem wall("wall", testing::brick_wall(4, 4));
-  const Answer three = solve("velocity_ipm_cholmod{max_iterations=3}", wall);
-  EXPECT_EQ(three.claim, Claim::kIterationLimit);
-  EXPECT_EQ(three.counters.iterations, 3);
-  EXPECT_EQ(solve("velocity_ipm_cholmod", wall, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
 }
 
 TEST_F(VelocityIpmCholmodTest, RefusesWhatItCannotTakeAndRegularisesNothing) {

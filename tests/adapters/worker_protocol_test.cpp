@@ -251,13 +251,6 @@ TEST(WorkerProtocolTest, MessagesOfAnotherVersionAreRefused) {
   EXPECT_NE(fault_of([&] { parse_response(bytes, 9, kSizes); }).find("rebuild"), std::string::npos);
 }
 
-TEST(WorkerProtocolTest, SizeOfAMessageIsKnownFromItsFrame) {
-  const std::string bytes = write_response(full_response());
-  EXPECT_EQ(message_size(bytes.substr(0, kFrameBytes - 1)), 0U);
-  EXPECT_EQ(message_size(bytes.substr(0, kFrameBytes)), bytes.size());
-  EXPECT_EQ(message_size(bytes + "more"), bytes.size());
-}
-
 TEST(WorkerProtocolTest, DetailIsMadePrintable) {
   EXPECT_EQ(printable("a\nb\x1b[1m\xc3\xa9\x7f", 100), "a b [1m?? ");
   EXPECT_EQ(printable("abcdef", 3), "abc");

@@ -1,6 +1,5 @@
 // What a study relies on: whatever a foreign library does, its run gets a row that says so, and the next run works.
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -8,24 +7,19 @@
 #include <filesystem>
 #include <limits>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <vector>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "adapters/worker/start_program.h"
 #include "adapters/worker/worker_client.h"
 #include "adapters/worker/worker_protocol.h"
 #include "core/error.h"
 #include "tests/adapters/misbehaviour.h"
-#include "tests/adapters/worker_empty_poll.h"
 
 namespace lcpbench {
 
@@ -77,17 +71,6 @@ bool has_children() { return waitpid(-1, nullptr, WNOHANG) != -1 || errno != ECH
 std::size_t open_descriptors() {
   const std::filesystem::directory_iterator descriptors("/proc/self/fd");
   return static_cast<std::size_t>(std::distance(begin(descriptors), end(descriptors)));
-}
-
-/// Reaps the process, by force when the deadline passes.
-bool ends_before(double deadline_s, pid_t process) {
-  while (wall_clock_s() < deadline_s) {
-    if (waitpid(process, nullptr, WNOHANG) == process) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  kill(process, SIGKILL);
-  waitpid(process, nullptr, 0);
-  return false;
 }
 
 class WorkerFaultTest : public ::testing::TestWithParam<Fault> {};
@@ -189,11 +172,6 @@ TEST(WorkerTest, OutputOfAWorkerGoesNowhere) {
   EXPECT_EQ(printed, "");
 }
 
-TEST(WorkerTest, LongDetailIsCutAndPrintable) {
-  const auto solver = client();
-  EXPECT_EQ(run(*solver, "long detail").answer.detail, std::string(1000, ' '));
-}
-
 TEST(WorkerTest, LeavesNoFilesBehind) {
   const auto solver = client();
   EXPECT_EQ(ask(*solver, "make a file"), 0.0);
@@ -233,19 +211,6 @@ TEST(WorkerTest, WorkerThatDiedBetweenRunsIsReplaced) {
   expect_right(*solver);
 }
 
-// After "throw" a worker answers and ends.
-TEST(WorkerTest, AnswerOfAWorkerThatEndsBehindOurBackIsRead) {
-  const auto solver = client();
-  const auto process = static_cast<pid_t>(ask(*solver, "pid"));
-  ASSERT_GT(process, 0);
-  end_stopped_child_in_next_empty_poll(process);
-  const Answer answer = run(*solver, "stop, then throw").answer;
-  EXPECT_TRUE(child_has_ended_in_empty_poll());
-  EXPECT_STREQ(to_string(answer.claim), "numerical_failure");
-  EXPECT_EQ(answer.detail, "exception: boom");
-  expect_right(*solver);
-}
-
 TEST(WorkerTest, ProblemsMayBeLargerThanTheSocketHolds) {
   const auto solver = client();
   for (const Index n : {Index{3}, Index{400}, Index{7}, Index{700}, Index{0}}) {
@@ -264,14 +229,6 @@ TEST(WorkerTest, TimesAreTakenApart) {
   EXPECT_GT(times.repeats, 1);
   EXPECT_GT(times.transport_s, 0);
   EXPECT_EQ(run(*solver, "right").times.repeats, 1);
-}
-
-TEST(WorkerTest, TimeOfAKilledRunIsKnown) {
-  const auto solver = client();
-  const SolveTimes times = run(*solver, "loop for ever", kImpatient).times;
-  EXPECT_GE(times.solve_wall_s, 0.3);
-  EXPECT_GT(times.solve_cpu_s, 0.0);
-  EXPECT_LE(times.solve_cpu_s, times.solve_wall_s * 1.01);
 }
 
 /// Why there is no worker to ask; "" when there is one.
@@ -314,36 +271,6 @@ TEST(WorkerTest, LackOfDescriptorsIsNoAnswer) {
   expect_right(*solver);
 }
 
-void start_a_program() {
-  const volatile std::sig_atomic_t stop = 0;
-  worker::run_program({"true"}, STDOUT_FILENO, STDERR_FILENO, &stop);
-}
-
-/// Ends this process, with 0 where the lack of processes is reported as such and leaves signals as they were.
-[[noreturn]] void start_a_program_without_processes() {
-  constexpr uid_t kDaemon = 1;  // no limit on processes binds root
-  if (getuid() == 0 && setuid(kDaemon) != 0) _exit(2);
-  const rlimit none{0, 0};
-  setrlimit(RLIMIT_NPROC, &none);
-  if (fork() >= 0) _exit(0);  // a system that does not keep the limit
-  try {
-    start_a_program();
-  } catch (const std::system_error& error) {
-    sigset_t blocked;
-    pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
-    _exit(error.code() == std::errc::resource_unavailable_try_again && sigismember(&blocked, SIGINT) == 0 ? 0 : 1);
-  } catch (const InputError&) {
-    _exit(3);
-  }
-  _exit(4);
-}
-
-TEST(StartProgramDeathTest, LackOfProcessesIsNoFaultOfTheInput) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");  // in a new process, without the thread that starts programs
-  EXPECT_EXIT(start_a_program_without_processes(), ::testing::ExitedWithCode(0), "");
-  EXPECT_EXIT((start_a_program(), start_a_program_without_processes()), ::testing::ExitedWithCode(0), "");
-}
-
 TEST(WorkerTest, NeitherZombiesNorDescriptorsAreLeft) {
   expect_right(*client());
   const std::size_t before = open_descriptors();
@@ -358,18 +285,6 @@ TEST(WorkerTest, NeitherZombiesNorDescriptorsAreLeft) {
   }
   EXPECT_EQ(open_descriptors(), before);
   EXPECT_FALSE(has_children());
-}
-
-TEST(WorkerTest, ChildrenOfAWorkerEndWithIt) {
-  prctl(PR_SET_CHILD_SUBREAPER, 1);  // an orphan becomes ours, and can be waited for
-  {
-    const auto solver = client();
-    run(*solver, "fork and exit");
-  }
-  const std::vector<pid_t> orphans = children_of(getpid());
-  ASSERT_EQ(orphans.size(), 1U);
-  EXPECT_TRUE(ends_before(wall_clock_s() + 60.0, orphans[0])) << "the worker's child lives on";
-  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 TEST(WorkerTest, ManyClientsInTwoThreads) {
@@ -389,35 +304,6 @@ TEST(WorkerTest, ManyClientsInTwoThreads) {
   one.join();
   two.join();
   EXPECT_FALSE(has_children());
-}
-
-TEST(WorkerTest, KillOfTheProgramEndsIdleAndBusyWorkers) {
-  prctl(PR_SET_CHILD_SUBREAPER, 1);
-  std::array<int, 2> ends{};
-  ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
-  const pid_t program = fork();
-  if (program == 0) {
-    dup2(ends[1], STDOUT_FILENO);
-    execl(WORKER_PARENT, WORKER_PARENT, FAULT_WORKER, nullptr);
-    _exit(127);
-  }
-  close(ends[1]);
-  std::array<char, 6> ready{};
-  ASSERT_EQ(read(ends[0], ready.data(), ready.size()), 6);
-  std::vector<pid_t> workers;
-  for (int i = 0; i < 6000 && workers.size() < 2; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    workers = children_of(program);
-  }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the second is in its loop by now
-  ASSERT_EQ(workers.size(), 2U);
-
-  const double begin = wall_clock_s();
-  kill(program, SIGKILL);
-  waitpid(program, nullptr, 0);
-  for (const pid_t worker : workers) EXPECT_TRUE(ends_before(begin + 60.0, worker)) << "a worker lives on";
-  close(ends[0]);
-  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 RegisteredSolver registered(const char* worker, const char* unavailable) {

@@ -61,24 +61,6 @@ TEST(ContactProblemTest, PostImpactVelocityLosesNothingToUnderflow) {
   EXPECT_EQ(post_impact_velocity(problem, Vector{{0x1p-1074, 2.0}}), (Vector{{0x3p-1050, 3.0}}));
 }
 
-// Sums over fewer than 128 coordinates have one order, so that not a bit differs from the product with all of G*.
-TEST(ContactProblemTest, PostImpactVelocityTakesTheBodiesOneByOne) {
-  constexpr int kBodies = 9;
-  ContactProblem problem;
-  BlockInertia inertia;
-  for (int k = 0; k < kBodies; ++k) {
-    inertia.blocks.push_back(Matrix{{2.0 + k, 0.3}, {0.3, 1.0 / (1.0 + k)}});
-  }
-  problem.inertia = inertia;
-  problem.v = Vector::LinSpaced(2 * kBodies, -1.0, 0.7);
-  problem.N = Matrix(Vector::LinSpaced(2 * kBodies, 0.1, 3.3).cwiseInverse());
-  problem.D = Matrix(2 * kBodies, 0);
-  problem.edges = {0};
-  problem.mu = Vector{{0.0}};
-  const Vector whole = problem.v + inverse_inertia(problem.inertia) * (to_dense(problem.N) * Vector{{1.7}});
-  EXPECT_EQ(post_impact_velocity(problem, Vector{{1.7}}), whole);
-}
-
 TEST(ContactProblemTest, EveryFormOfInertiaGivesTheSameInverse) {
   const Matrix G{{2.0, 0.0, 0.0}, {0.0, 4.0, 2.0}, {0.0, 2.0, 2.0}};
   const Matrix inverse{{0.5, 0.0, 0.0}, {0.0, 0.5, -0.5}, {0.0, -0.5, 1.0}};
@@ -130,23 +112,6 @@ TEST(SceneTest, ContactRowsAreWrenchesOnBothBodies) {
   EXPECT_EQ(Vector(D.col(2)), Vector(-D.col(0)));
   EXPECT_EQ(Vector(D.col(3)), Vector(-D.col(1)));
   EXPECT_EQ(inverse_inertia(problem.inertia).diagonal(), (Vector{{.25, .25, .25, 1, 1, 1, 1, 1, 1, 1, 1, 1}}));
-}
-
-TEST(ProblemTest, CarriesEachFormItCanDerive) {
-  const Problem bare("bare", Lcp{Matrix::Identity(2, 2), Vector::Constant(2, -1.0)});
-  EXPECT_EQ(bare.kind(), ProblemKind::kLcp);
-  EXPECT_EQ(bare.contact(), nullptr);
-  const Problem contact("contact", two_contacts());
-  EXPECT_EQ(contact.size(), 5);
-  EXPECT_EQ(contact.lcp().M, form_lcp(two_contacts()).M);
-  EXPECT_EQ(contact.scene(), nullptr);
-  RigidScene scene;
-  scene.bodies.resize(1);
-  scene.contacts.push_back({});
-  const Problem from_scene("scene", scene);
-  ASSERT_NE(from_scene.contact(), nullptr);
-  EXPECT_EQ(from_scene.size(), 1);
-  EXPECT_EQ(from_scene.name(), "scene");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-"""The published JSON schemas accept every kind of file that is written, and the examples, and refuse bad ones.
+"""The published JSON schemas accept every kind of file that is written, and the examples. They and the reader refuse
+bad ones.
 
 usage: problem_schema_test.py SCHEMA EXAMPLES WRITER     (WRITER FOLDER writes one file of every kind)
 """
@@ -123,6 +124,14 @@ def check_scenes(validator, file, failures):
     return len(lines)
 
 
+def read_of(writer, documents):
+    """The names of those that the program reads."""
+    with tempfile.TemporaryDirectory() as folder:
+        for what, document in documents.items():
+            (pathlib.Path(folder) / f"{what}.json").write_text(json.dumps(document), encoding="utf-8")
+        return subprocess.run([writer, "--read", folder], capture_output=True, text=True, check=True).stdout.splitlines()
+
+
 def main(schema_file, examples, writer):
     schema = json.loads(pathlib.Path(schema_file).read_text(encoding="utf-8"))
     jsonschema.Draft7Validator.check_schema(schema)
@@ -136,12 +145,11 @@ def main(schema_file, examples, writer):
             good[file.stem] = json.loads(file.read_text(encoding="utf-8"))
             failures += [f"{file.name} is refused: {error.message[:200]}" for error in validator.iter_errors(good[file.stem])]
         lines = check_scenes(lines_validator(schema_file, schema), pathlib.Path(folder) / "steps.scenes", failures)
-    refused = 0
-    for what, document in bad_documents(good):
-        if validator.is_valid(document):
-            failures.append(f"accepted: {what}")
-        refused += 1
-    print(f"{len(good)} good files, {lines} lines of scenes, {refused} bad documents")
+    bad = dict(bad_documents(good))
+    failures += [f"accepted: {what}" for what, document in bad.items() if validator.is_valid(document)]
+    failures += [f"read: {what}" for what in read_of(writer, bad)]
+    failures += [f"not read: {what}" for what in set(good) - set(read_of(writer, good))]
+    print(f"{len(good)} good files, {lines} lines of scenes, {len(bad)} bad documents")
     print("\n".join(failures))
     return 1 if failures or not good else 0
 

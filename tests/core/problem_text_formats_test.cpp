@@ -51,13 +51,6 @@ TEST(SiconosTextTest, TheMatrixIsColumnMajor) {
   EXPECT_EQ(problem.name(), "murty");
 }
 
-TEST(SiconosTextTest, WhatFollowsTheNumbersIsAComment) {
-  expect_murty(parse_siconos_lcp("2 0 2 2 2 2 1 2 0 1 -1 -2.5", "a.dat"));
-  expect_murty(parse_siconos_lcp("2 0 2 2 2 2 1 2 0 1 -1 -2.5 nan inf {", "a.dat"));
-}
-
-TEST(SiconosTextTest, NoUnknownsIsLegal) { EXPECT_EQ(parse_siconos_lcp("0 0 0 0 0 0", "a.dat").size(), 0); }
-
 // One equation, one complementarity row: M = [1 2; 3 4], q = (5, 6).
 const std::string kBlocks = "0 1 2\n0 1\n0\n2\n2\n2\t2\n1 3\n2 4\n5 6\n";
 const std::string kParts = "1\n4\n2\n3\n5\n6\n";
@@ -111,13 +104,6 @@ TEST(SiconosTextTest, Errors) {
   // Half a gigabyte must not be asked for because of thirty bytes.
   EXPECT_EQ(siconos_error("8191 0 8191 8191 8191 8191 1"),
             "a.dat: M: truncated: 67100672 numbers of M and q cannot fit the rest of the file (line 1, column 23)");
-}
-
-TEST(SiconosTextTest, EveryTruncationBeforeTheLastNumberIsAnError) {
-  const std::size_t last_number = kSiconos.find("-2.5e0");
-  for (std::size_t length = 0; length < last_number; ++length) {
-    EXPECT_NE(siconos_error(kSiconos.substr(0, length)), "no error") << length;
-  }
 }
 
 TEST(MatrixMarketTest, ArrayIsColumnMajor) {

@@ -332,27 +332,6 @@ TEST_F(ScenesFileTest, AStepIsAProblemAndAFileIsASet) {
   EXPECT_EQ(open_set("file:" + path() + "#30")->count(), 1);
 }
 
-TEST_F(ScenesFileTest, BlankLinesMayEndAFile) {
-  const std::string line = scenes_line(step_of(0));
-  for (const char* end : {"\n\n", "\n \t\r\n\n", "\n  "}) {
-    const ScenesFile file(write(kHeader + "\n" + line + end));
-    EXPECT_EQ(file.count(), 1u);
-    EXPECT_EQ(file.truncation(), "");
-    EXPECT_EQ(file.line(0), line);
-  }
-  EXPECT_EQ(error_of_line(std::string(100, ' ') + line), "line 2: does not begin with {\"step\": NUMBER");
-  EXPECT_EQ(error_of([&] { ScenesFile scenes(write(kHeader + "\n" + line + "\n\n" + line + "\n")); }),
-            path() + ": line 3: blank, and behind it comes another line");
-}
-
-TEST_F(ScenesFileTest, TheEnginesAnswerGetsItsSlip) {
-  const Vector z = complete_impulses(*step_of(0).problem.contact(), Vector::Zero(11));
-  // Without impulses the velocity stays v = (-1, 0.25, -0.5, 0): the first contact slips at 0.25 along its second half.
-  EXPECT_EQ(z.size(), 13);
-  EXPECT_EQ(z(11), 0.25);
-  EXPECT_EQ(z(12), 0.05);
-}
-
 // The collection: what is in the repository is what the program holds.
 TEST(CollectedScenesTest, AreTheFilesOfTheRepository) {
   std::size_t bytes = 0;
@@ -384,24 +363,6 @@ TEST(SparseProblemTest, IsTheDenseProblem) {
   EXPECT_EQ(problem_json(Problem("p", sparse)), problem_json(Problem("p", dense))) << "small files are dense";
   EXPECT_EQ(line.find('\n'), std::string::npos);
   EXPECT_NE(line.find("\"G_blocks\":[[[2,0.5],[0.5,1]],[[3,0],[0,4]]]"), std::string::npos);
-}
-
-TEST(SparseProblemTest, LargeFilesAreSparse) {
-  constexpr Index kBlocks = 300;
-  ContactProblem problem;
-  problem.v = Vector::Constant(kBlocks, -1);
-  SparseMatrix N(kBlocks, kBlocks);
-  N.setIdentity();
-  problem.N = N;
-  problem.D = SparseMatrix(kBlocks, 0);
-  problem.edges.assign(kBlocks, 0);
-  problem.mu = Vector::Zero(kBlocks);
-  problem.inertia = BlockInertia{std::vector<Matrix>(kBlocks, Matrix::Identity(1, 1))};
-  const std::string text = problem_json(Problem("large", problem));
-  EXPECT_LT(text.size(), 30000u);
-  const Problem read = parse_problem_json(text, "text");
-  EXPECT_EQ(problem_hash(read), problem_hash(Problem("large", problem)));
-  EXPECT_TRUE(std::holds_alternative<SparseMatrix>(read.contact()->N));
 }
 
 TEST(SparseProblemTest, ErrorsNameTheEntry) {

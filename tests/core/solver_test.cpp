@@ -218,55 +218,6 @@ TEST(TimedSolveTest, NoSolveGainsFromTheOneBefore) {
   EXPECT_EQ(remembers.easy_solves, 0);
 }
 
-class Waits final : public Solver {
- public:
-  const Capabilities& capabilities() const override { return capabilities_; }
-
- protected:
-  void on_load(const Problem&) override {}
-  void on_solve(const SolveRequest&, Answer&) override { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
-
- private:
-  Capabilities capabilities_;
-};
-
-// A solve that a busy machine interrupted is still a short one; one that always waits is not repeated without end.
-TEST(TimedSolveTest, WaitingIsNotWork) {
-  Waits waits;
-  TimedAnswer timed;
-  timed_solve(waits, frictional_particle(), {.repeat_until_s = 1e-2}, timed);
-  EXPECT_GT(timed.times.repeats, 1);
-  EXPECT_LE(timed.times.repeats, 50);
-  EXPECT_GE(timed.times.setup_wall_s + timed.times.solve_wall_s, 2e-3);
-  EXPECT_GT(timed.times.solve_wall_s, timed.times.setup_wall_s);
-  EXPECT_LT(timed.times.solve_cpu_s, 1e-3);
-}
-
-// Is kept waiting in its first solve, as on a busy machine.
-class WaitsOnce final : public Solver {
- public:
-  const Capabilities& capabilities() const override { return capabilities_; }
-
- protected:
-  void on_load(const Problem&) override {}
-  void on_solve(const SolveRequest&, Answer&) override {
-    if (!std::exchange(waited_, true)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
-  }
-
- private:
-  Capabilities capabilities_;
-  bool waited_ = false;
-};
-
-// Its cold first time would stand for it, many times the mean of a batch.
-TEST(TimedSolveTest, OneWaitDoesNotMakeAShortSolveALongOne) {
-  WaitsOnce waits;
-  TimedAnswer timed;
-  timed_solve(waits, frictional_particle(), {.repeat_until_s = 1e-3}, timed);
-  EXPECT_GT(timed.times.repeats, 1);
-  EXPECT_LT(timed.times.solve_wall_s, 1e-2);
-}
-
 TEST(TimedSolveTest, AnExceptionBecomesARowNotACrash) {
   TimedAnswer timed;
   in_process(std::make_unique<Throws>())->run(frictional_particle(), {}, timed);

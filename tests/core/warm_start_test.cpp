@@ -38,14 +38,6 @@ TEST(ContactMatchTest, FindsContactsInAnyOrder) {
   EXPECT_TRUE(match.before().empty());
 }
 
-// Another step of as many contacts, in another order: the index by id of the step before does not serve again.
-TEST(ContactMatchTest, ForgetsTheIdsOfAnEarlierStep) {
-  ContactMatch match;
-  match.find(Ids{5, 6, 7}, Ids{7, 6, 5});
-  match.find(Ids{8, 9, 5}, Ids{5, 8, 7});
-  EXPECT_EQ(match.before(), (std::vector<Index>{2, 0, -1}));
-}
-
 TEST(ContactMatchTest, RepeatedIdsMatchSomeOfTheSameName) {
   ContactMatch match;
   match.find(Ids{4, 2, 4}, Ids{4, 4, 4});

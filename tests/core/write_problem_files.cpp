@@ -1,11 +1,14 @@
-// Writes one problem file of every kind into a folder, for the test of the published JSON schema.
+// For the test of the published JSON schema: writes one problem file of every kind into a folder; with --read, prints the
+// names of the files in it that the reader takes.
 
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 
+#include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "generators/sets.h"
@@ -97,14 +100,28 @@ void write_all(const fs::path& folder) {
   }
 }
 
+void print_readable(const fs::path& folder) {
+  for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
+    try {
+      read_problem(file.path());
+      std::printf("%s\n", file.path().stem().c_str());
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: write_problem_files FOLDER\n");
+  if (argc == 3 && std::string_view(argv[1]) == "--read") {
+    lcpbench::print_readable(argv[2]);
+  } else if (argc == 2) {
+    lcpbench::write_all(argv[1]);
+  } else {
+    std::fprintf(stderr, "usage: write_problem_files [--read] FOLDER\n");
     return 2;
   }
-  lcpbench::write_all(argv[1]);
   return 0;
 }

@@ -121,16 +121,6 @@ TEST(ChangedTest, ScalingAndUnitsChangeNoDigit) {
   EXPECT_FALSE(applies(Change::kScaling, Problem("denormal", Lcp{Matrix::Constant(1, 1, 0x1p-1060), Vector::Ones(1)})));
 }
 
-TEST(ChangedTest, AnotherOrderTakesItsAnswerBack) {
-  Matrix M = Matrix::Zero(4, 4);
-  M.diagonal() << 1, 2, 4, 8;
-  const Problem problem("bare", Lcp{M, -Vector::Ones(4)});
-  const Lcp permuted = changed(problem, Change::kOrder, 2).lcp();
-  EXPECT_FALSE(permuted.M == M);
-  const Vector z = permuted.M.diagonal().cwiseInverse();
-  EXPECT_TRUE(drawn(Change::kOrder, 2).take_back(problem, z) == Vector(M.diagonal().cwiseInverse()));
-}
-
 TEST(ChangedTest, AnOffsetIsChangedWithItsRow) {
   const Problem problem("body", body());
   for (const auto& [name, change] : all_changes().values) {
@@ -139,33 +129,6 @@ TEST(ChangedTest, AnOffsetIsChangedWithItsRow) {
     const Vector row = (change == Change::kUnits ? 1024 : 1) * to_dense(contact.N).row(3).transpose();
     EXPECT_TRUE(contact.b.isApprox(row, 0x1p-29)) << name << ": " << contact.b.transpose();
     EXPECT_TRUE(are_opposite(contact)) << name;
-  }
-}
-
-TEST(ChangedTest, ASecondContactIsTheSameOrNear) {
-  const Problem problem("body", body());
-  const Matrix N = to_dense(changed(problem, Change::kDuplicate).contact()->N);
-  ASSERT_EQ(N.cols(), 3);
-  EXPECT_TRUE(N.col(2) == N.col(0) || N.col(2) == N.col(1));
-  const Matrix close = to_dense(changed(problem, Change::kNearDuplicate).contact()->N);
-  const double distance = std::min((close.col(2) - close.col(0)).cwiseAbs().maxCoeff(),
-                                   (close.col(2) - close.col(1)).cwiseAbs().maxCoeff());
-  EXPECT_GT(distance, 0);
-  EXPECT_LE(distance, 0x1p-30);
-}
-
-TEST(ChangedTest, ASoftContactGivenTwiceYieldsAsItDidOnce) {
-  ContactProblem soft = body();
-  soft.compliance_n = Vector::Constant(2, 0.25);
-  soft.compliance_t = Vector::Unit(2, 0);
-  RigidScene scene = *open_set("rigid/frictional/exp1")->generate(3, 1).scene();
-  for (RigidContact& contact : scene.contacts) contact.compliance_n = contact.compliance_t = 0.5;
-  for (const Problem& problem : {Problem("soft", soft), Problem("soft scene", scene)}) {
-    const Vector once = answer_to(problem);
-    for (std::int64_t draw = 0; draw < 4; ++draw) {
-      const Problem twice = changed(problem, Change::kDuplicate, draw);
-      EXPECT_LE((answer_to(twice) - once).lpNorm<Eigen::Infinity>(), 1e-12) << problem.name() << " " << draw;
-    }
   }
 }
 
@@ -197,30 +160,6 @@ TEST(ChangedTest, LastDigitsMoveEveryNumberToANeighbour) {
   for (std::int64_t draw = 0; draw < 10; ++draw) {
     const Problem moved = changed(largest, Change::kLastDigits, draw);
     EXPECT_TRUE(moved.lcp().M.allFinite() && moved.lcp().q.allFinite()) << draw;
-  }
-}
-
-TEST(ChangedTest, ASparseProblemIsChangedLikeADenseOneAndAnInertiaStaysDefinite) {
-  ContactProblem sparse = contact_problem(*open_set("rigid/frictional/exp1")->generate(3, 1).scene());
-  ContactProblem dense = sparse;
-  dense.N = to_dense(sparse.N);
-  dense.D = to_dense(sparse.D);
-  for (const auto& [name, change] : all_changes().values) {
-    const ContactProblem of_sparse = *changed(Problem("sparse", sparse), change).contact();
-    const ContactProblem of_dense = *changed(Problem("dense", dense), change).contact();
-    EXPECT_TRUE(std::holds_alternative<SparseMatrix>(of_sparse.N)) << name;
-    EXPECT_TRUE(to_dense(of_sparse.N) == to_dense(of_dense.N) && to_dense(of_sparse.D) == to_dense(of_dense.D)) << name;
-    EXPECT_TRUE(of_sparse.v == of_dense.v && of_sparse.mu == of_dense.mu) << name;
-    EXPECT_NO_THROW(problem_json(Problem("changed", of_sparse))) << name;
-  }
-  // Definite by one digit: some neighbours are not.
-  ContactProblem edge = body();
-  Matrix G = Matrix::Identity(6, 6);
-  G(0, 1) = G(1, 0) = std::nextafter(1.0, 0.0);
-  edge.inertia = DenseInertia{G};
-  for (std::int64_t draw = 0; draw < 16; ++draw) {
-    const Matrix after = dense_inertia(changed(Problem("edge", edge), Change::kLastDigits, draw).contact()->inertia);
-    EXPECT_GT(after(0, 0) * after(1, 1), after(0, 1) * after(0, 1));
   }
 }
 

@@ -84,22 +84,6 @@ TEST(HardSetsTest, AreManyInManyFamiliesAndSayWhatTheyAre) {
   EXPECT_GE(instances().size(), 300U);
 }
 
-TEST(HardSetsTest, ThePageCountsTheCasesOfEachFamily) {
-  std::ostringstream page;
-  page << std::ifstream(HARD_CASES_PAGE).rdbuf();
-  std::map<std::string, int> cases;
-  for (const HardSet& set : hard_sets()) ++cases[set.name.substr(0, set.name.rfind('/'))];
-  for (const auto& [family, count] : cases) {
-    EXPECT_NE(page.str().find("| `" + family + "/*` | " + std::to_string(count) + " |"), std::string::npos) << family;
-  }
-}
-
-TEST(HardSetsTest, OtherSetsAreNone) {
-  EXPECT_FALSE(hard_case("paper/monotone/exp1").has_value());
-  EXPECT_THROW(hard_case("hard/contact/stack{ratio=47}"), InputError);
-  EXPECT_THROW(hard_case("hard/contact/stack{height=3}"), InputError);
-}
-
 TEST(HardTruthTest, ExactAnswersLeaveNothing) {
   // 113 bits: sums of products of doubles in this range of exponents round at 1e-34 of their terms.
   constexpr double kQuadRounding = 1e-30;
@@ -134,36 +118,6 @@ TEST(HardTruthTest, RoundedAnswersAreWithinRounding) {
   EXPECT_GE(checked, 4U);
 }
 
-TEST(HardTruthTest, AnAnswerThatIsNoNormalDoubleIsNotGiven) {
-  for (const char* text : {"hard/edge/scalar{M=1e-300,q=-1e100}", "hard/edge/scalar{M=1e100,q=-1e-300}"}) {
-    const HardTruth truth = hard_case(text)->truth;
-    EXPECT_EQ(truth.known, HardKnown::kSolvable);
-    EXPECT_TRUE(truth.z.empty()) << text;
-  }
-}
-
-TEST(HardSetsTest, DialsThatAreNotTheOrderSayWhatTheyAre) {
-  for (const char* text : {"hard/game/cyclic{half=2}", "hard/exponential/klee-minty{n=5}"}) {
-    EXPECT_EQ(hard_case(text)->M.rows, 10U);
-    const auto set = std::ranges::find(hard_sets(), parse_spec(text).name, &HardSet::name);
-    EXPECT_FALSE(set->options()[0].help.starts_with("the order") || set->options()[0].help == "order of M") << text;
-  }
-}
-
-TEST(HardTruthTest, AReasonNamesTheUnitOfItsNumbers) {
-  const std::string reason = hard_case("hard/ray/copositive-none")->truth.reason;
-  EXPECT_EQ(reason, "w >= 0 asks for z_1 >= 2, then w_1 > 0 asks for z_1 = 0");
-  EXPECT_EQ(hard_case("hard/ray/copositive-none{scale=-3}")->truth.reason, reason + "; q, z and w in units of 2^-3");
-}
-
-TEST(HardTruthTest, AWrongAnswerIsNoticed) {
-  const std::string name = "hard/contact/friction-angle{ulps=-1000}";
-  HardTruth truth = hard_case(name)->truth;
-  ASSERT_TRUE(truth.exact);
-  truth.z[3] = 0;  // sticks, where mu is too small for it by 1000 ulps
-  EXPECT_GT(Evaluator(problem_of(name)).errors(answer_of(truth)).velocity_residual_relative, 1e-15);
-}
-
 TEST(HardTruthTest, ProofsOfUnsolvabilityHoldExactly) {
   std::size_t checked = 0;
   for (const std::string& name : instances()) {
@@ -177,13 +131,6 @@ TEST(HardTruthTest, ProofsOfUnsolvabilityHoldExactly) {
     ++checked;
   }
   EXPECT_GE(checked, 10U);
-}
-
-TEST(HardTruthTest, TheoryOfTheDataNeverContradicts) {
-  for (const std::string& name : instances()) {
-    const bool solvable = hard_case(name)->truth.known == HardKnown::kSolvable;
-    EXPECT_TRUE(solvable || Evaluator(problem_of(name)).truth() != Truth::kSolvable) << name;
-  }
 }
 
 TEST(HardTruthTest, SolvableWithoutAFormulaIsProvenOtherwise) {
@@ -211,78 +158,6 @@ TEST(HardTruthTest, ExactEnumerationOfSmallLcpsAgrees) {
   EXPECT_GE(checked, 60U);
 }
 
-/// The distinct solutions at nonsingular bases of a small LCP, by elimination in doubles.
-std::vector<Vector> vertex_solutions(const Lcp& lcp) {
-  const Index n = lcp.size();
-  std::vector<Vector> found;
-  for (unsigned set = 0; set < (1U << n); ++set) {
-    Matrix B = Matrix::Identity(n, n);  // [I -M] restricted: w off the set, z on it
-    for (Index j = 0; j < n; ++j) {
-      if ((set >> j & 1U) != 0) B.col(j) = -lcp.M.col(j);
-    }
-    const Eigen::FullPivLU<Matrix> lu(B);
-    if (!lu.isInvertible()) continue;
-    const Vector x = lu.solve(lcp.q);
-    const double scale = 1e-9 * x.cwiseAbs().maxCoeff();
-    if (!(x.minCoeff() >= -scale)) continue;
-    Vector z = Vector::Zero(n);
-    for (Index j = 0; j < n; ++j) {
-      if ((set >> j & 1U) != 0) z(j) = x(j);
-    }
-    const bool known = std::any_of(found.begin(), found.end(), [&](const Vector& other) {
-      return (other - z).cwiseAbs().maxCoeff() <= 10 * scale;
-    });
-    if (!known) found.push_back(z);
-  }
-  return found;
-}
-
-TEST(HardTruthTest, OneSolutionWhereTheFormulaSaysSo) {
-  constexpr Index kLargest = 7;
-  std::size_t checked = 0;
-  for (const HardSet& set : hard_sets()) {
-    const Problem problem = problem_of(set.name);
-    const HardTruth truth = hard_case(set.name)->truth;
-    const bool tiny_numbers = family(set) == "edge";  // elimination in doubles takes them for zeros
-    if (problem.contact() != nullptr || problem.size() > kLargest || tiny_numbers) continue;
-    if (truth.known == HardKnown::kUnsolvable || truth.unique != HardUnique::kYes) continue;
-    EXPECT_EQ(vertex_solutions(problem.lcp()).size(), 1U) << set.name;
-    ++checked;
-  }
-  EXPECT_GE(checked, 12U);
-}
-
-TEST(HardTruthTest, SeveralEquilibriaWhereTheGameHasThem) {
-  EXPECT_EQ(vertex_solutions(problem_of("hard/game/battle-of-sexes").lcp()).size(), 3U);
-  EXPECT_EQ(vertex_solutions(problem_of("hard/game/coordination").lcp()).size(), 7U);
-  EXPECT_EQ(vertex_solutions(problem_of("hard/class/n-matrix").lcp()).size(), 3U);
-}
-
-// It took coordinates of small inertia for ones without any: thin rods, lengths in other units.
-TEST(HardSolversTest, ContactLemkeClaimsNothingFalse) {
-  std::size_t claimed = 0;
-  for (const std::string& name : instances()) {
-    const Problem problem = problem_of(name);
-    if (problem.contact() == nullptr) continue;
-    const Answer answer = solve("contact_lemke", problem);
-    const bool solvable = hard_case(name)->truth.known == HardKnown::kSolvable;
-    EXPECT_TRUE(answer.claim != Claim::kSolved || Evaluator(problem).errors(answer).solved) << name;
-    EXPECT_TRUE(answer.claim != Claim::kUnsolvable || !solvable) << name;
-    if (answer.claim == Claim::kSolved || answer.claim == Claim::kUnsolvable) ++claimed;
-  }
-  EXPECT_GE(claimed, 130U) << "a solver that gives up everywhere claims nothing false either";
-}
-
-// An answer to them is within 2^-bits of right; only exact arithmetic on the basis shows that there is none.
-TEST(HardSolversTest, AutoProvesWhatIsBarelyInfeasible) {
-  for (const int bits : {5, 20, 30, 40, 50}) {
-    const Problem problem = problem_of("hard/ray/barely-infeasible{bits=" + std::to_string(bits) + "}");
-    const Answer answer = solve("auto", problem);
-    EXPECT_EQ(answer.claim, Claim::kUnsolvable) << bits;
-    EXPECT_TRUE(Evaluator(problem).check_farkas(answer.farkas)) << bits;
-  }
-}
-
 // ---- formulas against a second way to the same numbers ----
 
 TEST(HardFormulaTest, TheRingIsTheCirculantOfItsAngle) {
@@ -305,22 +180,6 @@ TEST(HardFormulaTest, HilbertAndPascalAreWhatTheyAreCalled) {
   const Matrix P = problem_of("hard/ill-conditioned/pascal{n=12}").lcp().M;
   EXPECT_EQ(P(4, 6), 210);  // 10 choose 4
   EXPECT_NEAR(P.partialPivLu().determinant(), 1, 1e-3);
-}
-
-TEST(HardFormulaTest, TheIntegersOfMurtyAreThoseOfTheSum) {
-  const Lcp lcp = problem_of("hard/exponential/murty-nondegenerate{n=10}").lcp();
-  for (Index i = 0; i < 10; ++i) {
-    const double sum = std::ldexp(1.0, 11) - std::ldexp(1.0, 10 - static_cast<int>(i));
-    EXPECT_EQ(lcp.q(i), -sum);
-  }
-}
-
-TEST(HardFormulaTest, LemkesPathDoublesWithEachRow) {
-  const auto pivots = [](int n) {
-    return solve("lemke{engine=dense}", problem_of("hard/exponential/murty-nondegenerate{n=" + std::to_string(n) + "}"))
-        .counters.pivots;
-  };
-  for (const int n : {4, 5, 8, 9}) EXPECT_EQ(pivots(n), (1 << n) - 1) << n;  // the first exchange is not counted
 }
 
 TEST(HardFormulaTest, UnitsChangeNothingButUnits) {

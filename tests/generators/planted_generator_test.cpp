@@ -68,56 +68,5 @@ TEST(PlantedGeneratorTest, MatricesAreDefiniteAndConditionedAsSaid) {
   }
 }
 
-TEST(PlantedGeneratorTest, DrawsAreUniform) {
-  const Opened set = open("planted/definite");
-  std::vector<int> orders(20);
-  std::vector<int> support(2);
-  std::vector<int> impulses(8);
-  std::vector<int> slacks(8);
-  std::vector<int> halves(2);
-  for (std::uint64_t trial = 0; trial < 2000; ++trial) {
-    const PlantedSample sample = set.draw(trial);
-    ++orders[sample.q.size() - 1];
-    for (std::size_t i = 0; i < sample.z.size(); ++i) {
-      const bool active = sample.z[i] > 0;
-      ++support[active ? 1 : 0];
-      // From (0, 1] into eight equal parts.
-      ++(active ? impulses : slacks)[static_cast<std::size_t>(std::ceil((active ? sample.z : sample.w)[i] * 8)) - 1];
-    }
-    // The logarithm of the condition number is uniform: half of them lie below its middle, sqrt(0.999 1e4).
-    if (sample.q.size() > 1) ++halves[checks::definite_after_shift(sample.M, 1 / std::sqrt(9990.0), 1) ? 1 : 0];
-  }
-  for (const std::vector<int>* counts : {&orders, &support, &impulses, &slacks, &halves}) {
-    checks::ChiSquare uniform;
-    uniform.add_uniform(*counts);
-    EXPECT_TRUE(uniform.plausible()) << uniform.statistic() << " of " << uniform.degrees();
-  }
-}
-
-TEST(PlantedGeneratorTest, BothFormsAreTheSameLcp) {
-  for (std::int64_t trial = 0; trial < 20; ++trial) {
-    const Problem contact = open_set("planted/definite")->generate(testing::kDrawSeed, trial);
-    const Problem bare = open_set("planted/definite{form=lcp}")->generate(testing::kDrawSeed, trial);
-    ASSERT_NE(contact.contact(), nullptr);
-    ASSERT_EQ(bare.contact(), nullptr);
-    ASSERT_EQ(contact.lcp().M, bare.lcp().M);
-    ASSERT_EQ(contact.lcp().q, bare.lcp().q);
-  }
-}
-
-TEST(PlantedGeneratorTest, EveryTrialIsAnotherProblem) {
-  const Opened set = open("planted/definite");
-  std::set<std::vector<double>> seen;
-  for (std::uint64_t trial = 0; trial < 500; ++trial) seen.insert(set.draw(trial).q);
-  EXPECT_EQ(seen.size(), 500U);
-}
-
-TEST(PlantedGeneratorTest, OptionsOutOfRangeAreRefused) {
-  for (const char* options : {"{n_max=0}", "{n_max=101}", "{condition=0.5}", "{condition=1e7}", "{condition=nan}"}) {
-    EXPECT_ANY_THROW(open_set(std::string("planted/definite") + options)) << options;
-  }
-  EXPECT_EQ(open_set("planted/definite{condition=10000,n_max=20}")->name(), "planted/definite");
-}
-
 }  // namespace
 }  // namespace lcpbench::planted_generator_test

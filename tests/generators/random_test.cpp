@@ -62,24 +62,6 @@ TEST(DrawSequenceTest, GridDrawsAreTheUpperBitsOfOneWord) {
   }
 }
 
-TEST(DrawSequenceTest, GridDrawsFillTheirRangeEvenly) {
-  DrawSequence draws({4, 5, 6}, Purpose::kVelocity);
-  std::vector<int> signed_counts(64);
-  std::vector<int> unit_counts(64);
-  for (int i = 0; i < 200000; ++i) {
-    const std::int64_t signed_draw = draws.signed_grid();
-    const std::int64_t unit_draw = draws.unit_grid();
-    ASSERT_TRUE(signed_draw >= -(1 << 20) && signed_draw < (1 << 20));
-    ASSERT_TRUE(unit_draw >= 0 && unit_draw < (1 << 20));
-    ++signed_counts[static_cast<std::size_t>((signed_draw + (1 << 20)) >> 15)];
-    ++unit_counts[static_cast<std::size_t>(unit_draw >> 14)];
-  }
-  checks::ChiSquare uniform;
-  uniform.add_uniform(signed_counts);
-  uniform.add_uniform(unit_counts);
-  EXPECT_TRUE(uniform.plausible()) << uniform.statistic() << " at " << uniform.degrees();
-}
-
 TEST(DrawSequenceTest, IntegersAreUniformWithBothEnds) {
   DrawSequence draws({4, 5, 6}, Purpose::kContactCount);
   std::vector<int> counts(19);

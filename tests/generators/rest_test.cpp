@@ -78,17 +78,6 @@ TEST(RestTest, OptionsHold) {
   }
 }
 
-TEST(RestTest, ThePageNamesEverySet) {
-  std::set<std::string> named;
-  std::ifstream page(GENERATORS_PAGE);
-  for (std::string line; std::getline(page, line);) {
-    if (line.starts_with("| `rest/")) named.insert(line.substr(3, line.find('`', 3) - 3));
-  }
-  std::set<std::string> known;
-  for (const RestSet& set : rest_sets()) known.insert(set.name);
-  EXPECT_EQ(named, known);
-}
-
 /// The directions in which the contacts can push, scaled by masses and to length 1: corners of the closed contacts'
 /// cones.
 Matrix cone_corners(const ContactProblem& problem, const Vector& row_scale) {
@@ -162,16 +151,6 @@ TEST(RestTest, TheContactsCarryTheLoadWithTheMargin) {
         EXPECT_LT(found.missing, 1e-10) << set.name << " " << options << " " << trial << " " << found.leak;
       }
     }
-  }
-}
-
-TEST(RestTest, MostMarginsAreTheLargest) {
-  for (const RestSet& set : rest_sets()) {
-    int missed = 0;
-    for (std::int64_t trial = 0; trial < 60; ++trial) {
-      if (reach(problem_of(set, "nc_max=20,margin=3", trial), 3 * 2).missing > 1e-6) ++missed;
-    }
-    EXPECT_GT(missed, 20) << set.name;
   }
 }
 

@@ -65,7 +65,12 @@ lcpbench_room(generators
   DEFINE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md"
     GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt"
     HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")
-foreach(test changed random spectrum paper_generator paper_reading rigid_generator rigid_friction planted_generator made
-        rest sets golden_library hard)
+foreach(test changed random spectrum paper_generator rigid_generator planted_generator made rest sets to_problem hard)
   lcpbench_test(${test})
 endforeach()
+
+# Nor do the library's own build options change a bit.
+add_executable(golden_hashes_library generators/golden_hashes.cpp)
+target_link_libraries(golden_hashes_library PRIVATE lcpbench_generators)
+add_test(NAME golden_library COMMAND golden_hashes_library ${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt)
+set_tests_properties(golden_library PROPERTIES LABELS generators)

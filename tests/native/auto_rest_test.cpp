@@ -1,16 +1,13 @@
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/random.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
+#include "tests/native/auto_checks.h"
 #include "tests/support/brick_wall.h"
 
 // The problems of rest/*: where rest is a solution by construction, `auto` returns it, whatever it begins with.
@@ -99,51 +96,17 @@ TEST(AutoRestTest, RestsWhereItCan) {
   }
 }
 
-/// A cube of 50 g between two fingers of 5 kg that press with 20 N each; mu = 0.5, four contacts at each finger.
-/// Coordinates: those of the cube, and one of each finger.
-ContactProblem pinched_cube() {
-  constexpr double kSide = 0.02, kReach = 0.01, kSpeed = 20 * 0.002 / 5;
-  ContactProblem contact;
-  contact.v.setZero(8);
-  contact.v << 0, 0, -9.81 * 0.002, 0, 0, 0, kSpeed, -kSpeed;
-  Matrix G = Matrix::Zero(8, 8);
-  G.diagonal() << 0.05, 0.05, 0.05, 1.3e-5, 1.3e-5, 1.3e-5, 5, 5;
-  contact.inertia = DenseInertia{G};
-  Matrix N = Matrix::Zero(8, 8), D = Matrix::Zero(8, 32);
-  for (int c = 0; c < 8; ++c) {
-    const int finger = c / 4;
-    const double side = finger == 0 ? -kSide : kSide;
-    const Eigen::Vector3d arm(side, c % 2 == 0 ? -kReach : kReach, c % 4 < 2 ? -kReach : kReach);
-    const auto row = [&](const Eigen::Vector3d& direction) {
-      Vector column = Vector::Zero(8);
-      column.head<3>() = direction;
-      column.segment<3>(3) = arm.cross(direction);
-      column(6 + finger) = -direction.x();
-      return column;
-    };
-    N.col(c) = row({finger == 0 ? 1.0 : -1.0, 0, 0});
-    D.col(4 * c) = row({0, 1, 0});
-    D.col(4 * c + 1) = row({0, 0, 1});
-    D.col(4 * c + 2) = -D.col(4 * c);
-    D.col(4 * c + 3) = -D.col(4 * c + 1);
+// contact_lemke alone lets the cube turn about a corner, which satisfies all contacts, too. Where the fingers do not
+// press, contacts with both could hold it by any impulses.
+TEST(AutoRestTest, APinchedCubeDoesNotTurnAndOneBetweenTwoWallsFalls) {
+  ContactProblem contact = testing::pinched_cube();
+  for (const bool presses : {true, false}) {
+    if (!presses) contact.v.tail<2>().setZero();
+    const Problem problem("cube", contact);
+    const Answer answer = testing::solve("auto", problem);
+    testing::expect_solved(problem, answer);
+    EXPECT_EQ(velocity_after(problem, answer), presses ? Vector(Vector::Zero(8)) : contact.v);
   }
-  contact.N = N;
-  contact.D = D;
-  contact.edges.assign(8, 4);
-  contact.mu.setConstant(8, 0.5);
-  return contact;
-}
-
-// contact_lemke alone lets the cube turn about a corner, which satisfies all contacts, too.
-TEST(AutoRestTest, APinchedCubeDoesNotTurn) {
-  const Problem problem("pinched cube", pinched_cube());
-  const auto solver = make_solver(parse_spec("auto"));
-  solver->load(problem);
-  Answer answer;
-  solver->solve({}, answer);
-  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
-  ASSERT_EQ(answer.velocity.size(), 8);
-  EXPECT_FALSE(answer.velocity.any()) << answer.velocity.transpose();
 }
 
 // The bricks at both ends stand on the edges of those below, half of them in the air. A speed of rounding that turns
@@ -161,11 +124,8 @@ TEST(AutoRestTest, BricksOnAnEdgeRestAfterRounding) {
     }
   }
   const Problem problem("wall", wall);
-  const auto solver = make_solver(parse_spec("auto"));
-  solver->load(problem);
-  Answer answer;
-  solver->solve({}, answer);
-  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  const Answer answer = testing::solve("auto", problem);
+  testing::expect_solved(problem, answer);
   ASSERT_GT(answer.velocity.size(), 0) << answer.detail;
   EXPECT_FALSE(answer.velocity.any()) << answer.velocity.transpose();
 }
@@ -211,36 +171,6 @@ TEST(AutoRestTest, ImpulsesOfTheLastStepCountOnlyIfTheyAreAsExactAsNewOnes) {
     const Vector implied = post_impact_velocity(*next.contact(), answer.z);
     EXPECT_LE(fastest_contact(*next.contact(), implied).m_per_s, 1e-9 * 9.81 * 0.005) << next.name();
   }
-}
-
-// Its contacts with both walls could hold it by any impulses, but nothing presses.
-TEST(AutoRestTest, ABodyThatFallsBetweenTwoWallsIsNotStopped) {
-  ContactProblem contact = pinched_cube();
-  contact.v.tail<2>().setZero();
-  const Problem problem("falling cube", contact);
-  const auto solver = make_solver(parse_spec("auto"));
-  solver->load(problem);
-  Answer answer;
-  solver->solve({}, answer);
-  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
-  EXPECT_EQ(velocity_after(problem, answer), contact.v);
-}
-
-// The momentum underflows to zero, which balances nothing.
-TEST(AutoRestTest, TakesNothingThatUnderflowsForRest) {
-  ContactProblem contact;
-  contact.v = Vector::Constant(1, 6.67e-322);
-  contact.inertia = DenseInertia{Matrix::Constant(1, 1, 8.5e-109)};
-  contact.N = Matrix::Constant(1, 1, -1.0);
-  contact.D = Matrix(1, 0);
-  contact.edges = {0};
-  contact.mu = Vector::Zero(1);
-  const Problem problem("tiny", contact);
-  const auto solver = make_solver(parse_spec("auto"));
-  solver->load(problem);
-  Answer answer;
-  solver->solve({}, answer);
-  EXPECT_EQ(answer.claim == Claim::kSolved, Evaluator(problem).errors(answer).solved) << answer.detail;
 }
 
 TEST(AutoRestTest, SolvesWhereRestIsImpossible) {

@@ -1,31 +1,25 @@
+// `auto` on captured scenes, piles and walls.
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "core/timed_solve.h"
 #include "generators/scenes/scenes.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
-#include "study/evaluation/fastest_contact.h"
+#include "tests/native/auto_checks.h"
 #include "tests/support/box_stacks.h"
 #include "tests/support/brick_wall.h"
-#include "tests/support/least_energy_velocity.h"
 #include "tests/support/sphere_piles.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_auto();
-}
 
 namespace lcpbench::auto_scenes_test {
 namespace {
 
-using testing::least_energy_velocity;
+using testing::auto_solver;
+using testing::expect_solved;
+using testing::solve;
 
 /// Many times the processor time that the slowest step takes, and less than a method takes that does not suit it.
 #ifdef __SANITIZE_ADDRESS__
@@ -35,14 +29,6 @@ constexpr double kMostCpu_s = 5;
 #endif
 /// By the wall clock, where other programs may hold the processors.
 constexpr double kTimeLimit = 12 * kMostCpu_s;
-
-void expect_rest_where_it_is_a_solution(const ContactProblem& contact, const Answer& answer, const std::string& what) {
-  const double before = fastest_contact(contact, contact.v).m_per_s;
-  const Vector rest = least_energy_velocity(contact);
-  if (rest.size() == 0 || fastest_contact(contact, rest).m_per_s > 1e-9 * before) return;
-  const double after = fastest_contact(contact, post_impact_velocity(contact, answer.z)).m_per_s;
-  EXPECT_LE(after, 1e-8 * before) << what << ": " << answer.detail;
-}
 
 // The friction rows too: each lambda is large enough for the slip whatever rounding does. Whether no method was called.
 bool expect_exact_where_nothing_is_pressed(const ContactProblem& contact, const Answer& answer, const Errors& errors,
@@ -55,7 +41,7 @@ bool expect_exact_where_nothing_is_pressed(const ContactProblem& contact, const 
 
 // Walls, stacks, wedges, piles, card houses, robots: whatever a method gives up on, another one solves.
 TEST(AutoScenesTest, SolvesEveryCollectedStepByRestWhereThatIsASolution) {
-  const auto solver = lcpbench_solver_auto().make({});
+  const auto solver = auto_solver();
   std::size_t steps = 0, without_impulses = 0;
   for (const std::string& name : expand_sets("scene/*")) {
     const auto set = open_set(name);
@@ -70,7 +56,7 @@ TEST(AutoScenesTest, SolvesEveryCollectedStepByRestWhereThatIsASolution) {
       const std::string what = name + " " + std::to_string(trial);
       const Errors errors = Evaluator(problem).errors(answer);
       EXPECT_TRUE(errors.solved) << what << ": " << answer.detail;
-      expect_rest_where_it_is_a_solution(*problem.contact(), answer, what);
+      testing::expect_rest_where_it_is_a_solution(*problem.contact(), answer, what);
       if (expect_exact_where_nothing_is_pressed(*problem.contact(), answer, errors, what)) ++without_impulses;
       ++steps;
     }
@@ -81,47 +67,7 @@ TEST(AutoScenesTest, SolvesEveryCollectedStepByRestWhereThatIsASolution) {
   EXPECT_GT(without_impulses, 0U);
 }
 
-Answer solve(const Problem& problem, const Options& options = {}) {
-  const auto solver = make_solver({.name = "auto", .options = options});
-  solver->load(problem);
-  Answer answer;
-  solver->solve({.time_limit_s = 60}, answer);
-  return answer;
-}
-
-// A pile's separators are so large that sweeps take a small share of one factorization; a wall's are not.
-/// With as many coordinates again, of a body far from all others.
-Problem with_idle_body(const ContactProblem& contact) {
-  const Index idle = contact.ngc();
-  ContactProblem more = contact;
-  more.v.conservativeResize(2 * idle);
-  more.v.tail(idle).setOnes();
-  std::get<BlockInertia>(more.inertia).blocks.push_back(Matrix::Identity(idle, idle));
-  for (Jacobian* J : {&more.N, &more.D}) {
-    auto& columns = std::get<SparseMatrix>(*J);
-    columns.conservativeResize(columns.rows() + idle, columns.cols());
-  }
-  return Problem("", std::move(more));
-}
-
-// The plan does not count its coordinates, so that rest is sought as without it.
-TEST(AutoScenesTest, ABodyThatNothingTouchesDoesNotChangeThePlan) {
-  const auto solver = lcpbench_solver_auto().make({});
-  Answer alone, beside;
-  for (const char* name : {"scene/uneven-table/mujoco", "scene/mass-ratio-1e6/ode"}) {
-    const auto set = open_set(name);
-    for (std::int64_t trial = 0; trial < set->count().value_or(0); ++trial) {
-      const Problem problem = set->generate(1, trial);
-      solver->load(problem);
-      solver->solve({}, alone);
-      const Problem more = with_idle_body(*problem.contact());
-      solver->load(more);
-      solver->solve({}, beside);
-      EXPECT_EQ(beside.detail, alone.detail) << name << " " << trial;
-      EXPECT_EQ(beside.counters.pivots, alone.counters.pivots) << name << " " << trial;
-    }
-  }
-}
+constexpr SolveRequest kAMinute{.time_limit_s = 60};
 
 // One object for all, each of them twice, in either order, and one object for each.
 TEST(AutoScenesTest, AnAnswerDoesNotDependOnTheProblemBefore) {
@@ -130,41 +76,15 @@ TEST(AutoScenesTest, AnAnswerDoesNotDependOnTheProblemBefore) {
                                       Problem("stack", testing::box_stacks({.height = 40, .mu = 0.1})),
                                       Problem("wall", testing::frictional_brick_wall(4, 6, 0.5))};
   for (const char* error : {"0", "1e-4"}) {
-    const auto shared = lcpbench_solver_auto().make({{"error", error}});
+    const auto shared = auto_solver({{"error", error}});
     for (std::size_t k = 0; k < 2 * problems.size(); ++k) {
       const Problem& problem = problems[k < problems.size() ? k : 2 * problems.size() - 1 - k];
-      const auto fresh = lcpbench_solver_auto().make({{"error", error}});
-      Answer expected, answer;
-      fresh->load(problem);
-      fresh->solve({}, expected);
+      const Answer expected = solve(problem, {{"error", error}});
       for (int time = 0; time < 2; ++time) {
         shared->load(problem);
-        shared->solve({}, answer);
-        EXPECT_EQ(answer.z, expected.z) << problem.name() << " " << error << ": " << answer.detail;
+        EXPECT_EQ(solve(*shared).z, expected.z) << problem.name() << " " << error << ": " << expected.detail;
       }
     }
-  }
-}
-
-TEST(AutoScenesTest, PilesAndWallsAreSolvedToTheToleranceOfIterativeMethods) {
-  for (const double mu : {0.0, 0.5}) {
-    const Problem pile("pile", testing::sphere_pile({.mu = mu}));
-    const Answer answer = solve(pile);
-    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-    EXPECT_LE(Evaluator(pile).errors(answer).velocity_residual_relative, 1e-9) << mu;
-  }
-  EXPECT_EQ(solve(Problem("wall", testing::brick_wall(10, 10))).claim, Claim::kSolved);
-}
-
-// Friction holds nearly all contacts: on 104 contacts contact_lemke and friction_ipm take a hundred times as long.
-TEST(AutoScenesTest, PilesAreSweptWhereFrictionMayHoldThem) {
-  for (const double mu : {0.6, 1.0, 2.0}) {
-    const Problem pile("pile", testing::sphere_pile({.columns = 4, .layers = 4, .mu = mu}));
-    const Answer answer = solve(pile);
-    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-    EXPECT_NE(answer.detail.find("psor"), std::string::npos) << answer.detail;
-    EXPECT_EQ(answer.detail.find("contact_lemke"), std::string::npos) << answer.detail;
-    EXPECT_LE(answer.counters.pivots, 0) << mu;
   }
 }
 
@@ -175,21 +95,12 @@ TEST(AutoScenesTest, PilesWithMuchFrictionAreSolvedAtEachError) {
     for (const double mu : {1.2, 2.0}) {
       const Problem pile("pile", testing::sphere_pile({.columns = 6, .mu = mu, .seed = seed}));
       for (const char* error : {"1e-2", "1e-6", "1e-9"}) {
-        const Answer answer = solve(pile, {{"error", error}});
+        const Answer answer = solve(pile, {{"error", error}}, kAMinute);
         ASSERT_EQ(answer.claim, Claim::kSolved) << seed << " " << mu << " " << error << " " << answer.detail;
         EXPECT_LE(Evaluator(pile).errors(answer).velocity_residual_relative, 1.01 * std::stod(error));
       }
     }
   }
-}
-
-// Its cubes are pushed faster than friction of the first instant can hold; contact_lemke takes a hundred times as long.
-TEST(AutoScenesTest, SlidingStacksAreSolvedByConvexProblems) {
-  const Problem stack("stack", testing::box_stacks({.height = 40, .mu = 0.1}));
-  const Answer answer = solve(stack);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_NE(answer.detail.find("friction_ipm"), std::string::npos) << answer.detail;
-  EXPECT_LE(answer.counters.pivots, 0);
 }
 
 TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
@@ -200,7 +111,7 @@ TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
   for (const Problem& scene : scenes) {
     std::int64_t most = 0;
     for (const char* error : {"1e-9", "1e-6", "1e-4", "1e-2"}) {
-      const Answer answer = solve(scene, {{"error", error}});
+      const Answer answer = solve(scene, {{"error", error}}, kAMinute);
       ASSERT_EQ(answer.claim, Claim::kSolved) << scene.name() << " " << error << " " << answer.detail;
       EXPECT_LE(Evaluator(scene).errors(answer).velocity_residual_relative, 1.01 * std::stod(error)) << scene.name();
       if (most == 0) most = answer.counters.iterations;

@@ -65,35 +65,7 @@ void expect_true_claims(const Lcp& lcp, const std::string& what) {
 // --- recorded failures ---
 
 const Lcp kInfeasibleByAnUlp = lcp_of(3, {0, -1, 2, 1, 0, 0, -2, 0, 0}, {0, -2.0000000000000004, 4});
-const Lcp kSolvableByAnUlp =
-    lcp_of(4, {0, 1, 0, 1, -1, 0, 1.0000000000000002, -1.9999999999999998, 0, -1, 0, 1.0000000000000002, -1, 2, -1, 0},
-           {1, -2, 1, -1});
 const Lcp kFeasibleButUnsolvable = lcp_of(2, {0, 3, 0, 1}, {-3, -0.9999999999});
-
-TEST(BareClaimsTest, HoldWhereTheyDidNot) {
-  expect_true_claims(kInfeasibleByAnUlp, "infeasible by an ulp");
-  expect_true_claims(kSolvableByAnUlp, "solvable by an ulp");
-  expect_true_claims(kFeasibleButUnsolvable, "feasible but unsolvable");
-}
-
-TEST(BareClaimsTest, AutoProvesWhatIsInfeasibleByAnUlp) {
-  const Answer answer = solve("auto", Problem("ulp", kInfeasibleByAnUlp));
-  ASSERT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
-  EXPECT_TRUE(is_farkas_vector(kInfeasibleByAnUlp, answer.farkas));
-}
-
-TEST(BareClaimsTest, ARayIsNoProof) {
-  // Copositive, not copositive-plus; an N-matrix: Lemke's method ends in a ray, and both have solutions.
-  for (const Lcp& lcp : {lcp_of(2, {0, 1, 1, 0}, {-2, -2}), lcp_of(2, {-1, 2, 2, -1}, {-1, -1})}) {
-    for (const char* solver : {"lemke", "regularized{last=0}"}) {
-      const Answer answer = solve(solver, Problem("ray", lcp));
-      EXPECT_EQ(answer.claim, Claim::kNumericalFailure) << solver;
-      EXPECT_NE(answer.detail.find("ray"), std::string::npos) << solver << ": " << answer.detail;
-    }
-    EXPECT_EQ(solve("lemke{test=none}", Problem("ray", lcp)).claim, Claim::kUnsolvable);
-    EXPECT_EQ(solve("lemke{engine=dense}", Problem("ray", lcp)).claim, Claim::kUnsolvable);
-  }
-}
 
 TEST(BareClaimsTest, RaysOnContactsWithRegularInertiaAreFailures) {
   for (const char* name : {"paper/copositive/exp5-1e10{redundancy=combination}", "paper/copositive/exp2"}) {
@@ -106,28 +78,6 @@ TEST(BareClaimsTest, RaysOnContactsWithRegularInertiaAreFailures) {
       }
     }
   }
-}
-
-TEST(BareClaimsTest, EveryBlockIsJudgedByItsOwnScale) {
-  const Lcp apart{Matrix::Identity(2, 2), Vector::Map(std::array{-1e10, -1.0}.data(), 2)};
-  BareLcpTest test;
-  test.load(apart);
-  EXPECT_GT(test.backward_error(Vector::Map(std::array{1e10, 0.0}.data(), 2)), 0.5);
-  EXPECT_LE(test.backward_error(Vector::Map(std::array{1e10, 1.0}.data(), 2)), kClaimedBackwardError);
-}
-
-TEST(BareClaimsTest, WhatAnInteriorPointLeavesAtRestIsASolution) {
-  const Lcp rests = lcp_of(2, {2, 1, 1, 3}, {4, 5});
-  BareLcpTest test;
-  test.load(rests);
-  const Vector dust = Vector::Map(std::array{2.5e-12, 1e-12}.data(), 2);
-  EXPECT_LE(test.backward_error(dust), kClaimedBackwardError);
-  EXPECT_FALSE(test.disproves(dust, kForever));
-  EXPECT_GT(test.backward_error(1e6 * dust), kClaimedBackwardError);
-  const Lcp zeros = lcp_of(1, {0}, {1});
-  test.load(zeros);
-  EXPECT_LE(test.backward_error(Vector::Constant(1, 1e-12)), kClaimedBackwardError);
-  EXPECT_GT(test.backward_error(Vector::Constant(1, 1)), 0.4);
 }
 
 // --- blocks ---
@@ -156,15 +106,6 @@ TEST(BareClaimsTest, AutoProvesThatABlockHasNoSolution) {
   EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
   EXPECT_TRUE(is_farkas_vector(lcp, answer.farkas));
   EXPECT_EQ(answer.detail.find("block of 2 rows, from row 0: "), 0U) << answer.detail;
-}
-
-TEST(BareClaimsTest, AutoGivesTheBlocksThatItSolved) {
-  const Lcp lcp = beside_identity(13, Matrix{{0, 3}, {0, 1}}, Vector{{-3, -0.9}});  // feasible, and without a solution
-  const Answer answer = solve("auto", Problem("blocks", lcp));
-  EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
-  const Answer late = solve("auto", Problem("blocks", lcp), 0);
-  EXPECT_EQ(late.claim, Claim::kTimeLimit);
-  EXPECT_EQ(late.z.size(), 13);
 }
 
 // --- small problems of every kind ---
@@ -256,17 +197,6 @@ TEST(BareClaimsTest, AutoSolvesGamesThatTheRulesOfLemkeDoNot) {
     by_lemke += solve("lemke", problem).claim == Claim::kSolved;
   }
   EXPECT_LT(by_lemke, 10);
-}
-
-TEST(BareClaimsTest, AutoSolvesFrictionalContactsGivenAsMatrices) {
-  const auto set = open_set("paper/copositive/exp5-1e10{redundancy=combination}");
-  int missed = 0;
-  for (std::int64_t trial = 0; trial < 40; ++trial) {
-    const Problem contacts = set->generate(5, trial);
-    if (contacts.size() > 300) continue;
-    missed += solve("auto", Problem("bare", form_lcp(*contacts.contact()))).claim != Claim::kSolved;
-  }
-  EXPECT_EQ(missed, 0);
 }
 
 // --- the parts ---

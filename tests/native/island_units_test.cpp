@@ -54,11 +54,6 @@ TEST(IslandUnitsTest, BringEveryIslandToTheLargestInPowersOfTwo) {
   EXPECT_EQ(units(3), 1);  // at rest
 }
 
-TEST(IslandUnitsTest, OneIslandKeepsItsOwn) {
-  EXPECT_EQ(Bodies(1).units_for(Vector{{-1e-5}}), Vector::Ones(1));
-  EXPECT_EQ(Bodies(2).units_for(Vector{{-1e-5, 1e-5}}), Vector::Ones(2));
-}
-
 // What rounding leaves of terms of one must not look like a velocity.
 TEST(IslandUnitsTest, DoNotEnlargeRounding) {
   const Vector units = Bodies(2).units_for(Vector{{-1, -1e-17}}, Vector{{1, 1}});
@@ -72,24 +67,6 @@ TEST(IslandUnitsTest, StayInTheRangeOfDouble) {
   EXPECT_TRUE(v.cwiseProduct(units).allFinite());
   EXPECT_TRUE(v.cwiseQuotient(units).allFinite());
   EXPECT_EQ(Bodies(2).units_for(Vector{{-HUGE_VAL, -1}}), Vector::Ones(2));
-}
-
-TEST(IslandUnitsTest, RowsOfABareLcpAreItsContactsAndCoordinates) {
-  Matrix M = Matrix::Identity(3, 3);
-  M(2, 0) = 1;
-  IslandUnits units;
-  units.load(M);
-  units.clear();
-  const Vector q{{-8, -1, 0}};
-  for (Index i = 0; i < 3; ++i) units.add_row(i, q(i), std::abs(q(i)));
-  units.choose(q);
-  Vector scaled = q;
-  units.scale(scaled);
-  EXPECT_EQ(scaled, (Vector{{-8, -8, 0}}));
-  units.restore(scaled);
-  EXPECT_EQ(scaled, q);
-  units.load(Matrix(Matrix::Ones(3, 3)));
-  EXPECT_FALSE(units.several());
 }
 
 // N'v = -1e-400 comes out as zero in double.

@@ -122,46 +122,6 @@ std::vector<IsaLevel> levels() {
   return all;
 }
 
-TEST(AssemblyTreeTest, HoldsEveryEntryOfTheFactorAndHandsOnWhatIsBelow) {
-  for (const Pattern& pattern : patterns()) {
-    const SparseMatrix lower = dominant_matrix(pattern, 1);
-    const AssemblyTree tree = assembly_tree(lower);
-    // The factor's pattern, by elimination on a dense matrix of booleans in the order of the tree.
-    Eigen::MatrixXi filled = Eigen::MatrixXi::Zero(pattern.n, pattern.n);
-    const auto position = [&](int i) { return tree.position[static_cast<std::size_t>(i)]; };
-    for (const auto& [i, j] : pattern.edges) filled(position(i), position(j)) = filled(position(j), position(i)) = 1;
-    for (int k = 0; k < pattern.n; ++k) {
-      for (int j = k + 1; j < pattern.n; ++j) {
-        for (int i = k + 1; i < pattern.n; ++i) filled(i, j) |= filled(i, k) & filled(k, j);
-      }
-    }
-    std::vector<int> sorted = tree.position;
-    std::sort(sorted.begin(), sorted.end());
-    for (int i = 0; i < pattern.n; ++i) ASSERT_EQ(sorted[static_cast<std::size_t>(i)], i) << pattern.name;
-    int next_column = 0;
-    for (const AssemblyTree::Node& node : tree.nodes) {
-      ASSERT_EQ(node.first_column, next_column) << pattern.name;
-      next_column += node.columns;
-      const auto below = tree.below.begin() + static_cast<std::ptrdiff_t>(node.below);
-      for (int column = node.first_column; column < next_column; ++column) {
-        for (int row = next_column; row < pattern.n; ++row) {
-          if (filled(row, column) == 0) continue;
-          ASSERT_TRUE(std::binary_search(below, below + node.rows_below(), row)) << pattern.name;
-        }
-      }
-      for (int r = 0; r < node.rows_below(); ++r) {
-        const AssemblyTree::Node& parent = tree.nodes[static_cast<std::size_t>(node.parent)];
-        const int target = tree.target[node.below + static_cast<std::size_t>(r)];
-        const int row = target < parent.columns
-                            ? parent.first_column + target
-                            : tree.below[parent.below + static_cast<std::size_t>(target - parent.columns)];
-        ASSERT_EQ(row, below[r]) << pattern.name;
-      }
-    }
-    ASSERT_EQ(next_column, pattern.n) << pattern.name;
-  }
-}
-
 // Both factorizations are backward stable: they solve A + dA with |dA| <= (3 n + 1) eps |L| |L'|, and |L| |L'| <= n |A|
 // in the norm; for dominant matrices it is below 2 |A| [Higham 2002, 10.1]. With condition 40 the solutions are within
 // 2 * 40 * 2 (3 n + 1) eps of each other, relative to their size.
@@ -295,7 +255,6 @@ TEST(MultifrontalLuTest, BreaksDownOnSingularMatricesAndNumbersThatAreNotFiniteA
 }
 
 TEST(MultifrontalCholeskyTest, FactoringAndSolvingAllocateNothing) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   for (const Pattern& pattern : patterns()) {
     const SparseMatrix lower = dominant_matrix(pattern, 1);
     const auto factorization = multifrontal_cholesky();
@@ -312,37 +271,6 @@ TEST(MultifrontalCholeskyTest, FactoringAndSolvingAllocateNothing) {
               }),
               0)
         << pattern.name;
-  }
-}
-
-Matrix random_matrix(Index rows, Index columns, std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  return Matrix::NullaryExpr(rows, columns, [&](Index, Index) { return normal(random); });
-}
-
-// On both sides of what they deal with at once, at every level that this processor has.
-TEST(CholeskyKernelsTest, MeasuresTheInverseOfAFactor) {
-  std::mt19937 random(7);
-  for (const IsaLevel level : {IsaLevel::kBaseline, IsaLevel::kAvx2, IsaLevel::kAvx512}) {
-    if (level > best_isa_level()) continue;
-    const cholesky::Engine& kernels = cholesky::engine(level);
-    for (const Index n : {0, 1, 2, 3, 4, 5, 7, 8, 9, 12, 13, 16, 27, 31, 64, 67}) {
-      const std::string what = std::string(to_string(level)) + ", order " + std::to_string(n);
-      const Matrix root = random_matrix(n, n, random);
-      const Matrix G = root * root.transpose() + Matrix::Identity(n, n);
-      const Index stride = n + cholesky::kMargin;
-      const double nan = std::numeric_limits<double>::quiet_NaN();
-      Matrix a = Matrix::Constant(stride, stride, nan);  // what stands above the diagonal does not count
-      std::vector<double> work(static_cast<std::size_t>(cholesky::work_size(n)));
-      cholesky::take_lower(G.data(), n, a.data(), stride);
-      ASSERT_TRUE(kernels.factor(a.data(), stride, n, n, work.data())) << what;
-      Matrix l(n, n);
-      cholesky::keep_columns(a.data(), stride, n, n, l.data());
-      Vector lengths(n);
-      kernels.measure_inverse(l.data(), n, lengths.data(), work.data());
-      const Matrix inverse = Matrix(G.llt().matrixL()).inverse();
-      for (Index k = 0; k < n; ++k) EXPECT_NEAR(lengths(k), inverse.col(k).norm(), 1e-12 * lengths(k)) << what;
-    }
   }
 }
 

@@ -145,44 +145,12 @@ TEST(RaceTest, TakesAtMostAConstantTimesTheWorkOfAnyEntrant) {
   EXPECT_GT(largest, 15);  // or the entrants were no adversaries
 }
 
-TEST(RaceTest, GivesTheFirstTurnToTheMoreCertainOfEqualPredictions) {
-  Runners runners({{.cost = 1e6, .shape = 1, .load_cost = 3e5}, {.cost = 1e6, .shape = 4, .load_cost = 3e5}});
-  runners[1].needs = 9e5;
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners[0].loads, 0);
-}
-
 TEST(RaceTest, GivesTheFirstTurnToTheLeastPrediction) {
   Runners runners({{.cost = 3e6, .load_cost = 1e5}, {.cost = 1e6, .load_cost = 1e5}, {.cost = 2e6, .load_cost = 1e5}});
   for (std::size_t k = 0; k < 3; ++k) runners[k].needs = 9e5;
   EXPECT_EQ(runners.run(), Race::End::kClaimed);
   EXPECT_EQ(runners.race.winner(), 1U);
   EXPECT_EQ(runners[0].loads + runners[2].loads, 0);
-}
-
-TEST(RaceTest, GivesTheFirstEntrantAHeadStartIfItsLoadIsCheap) {
-  Runners runners({{.cost = 3e6}, {.cost = 1e6}});
-  runners[0].needs = Race::kHeadStart / 2;
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners[1].loads, 0);
-}
-
-TEST(RaceTest, LetsAMethodThatConvergesSprintBeforeALongOne) {
-  Runners runners({{.cost = 1e9, .load_cost = 1e8}, {.cost = 5e9, .load_cost = 1e6, .converges = true}});
-  runners[1].needs = 2e6;
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners.race.winner(), 1U);
-  EXPECT_EQ(runners[0].loads, 0);
-}
-
-TEST(RaceTest, GoesOnWithWhatConvergesFast) {
-  Runners runners({{.cost = 2e9, .load_cost = 1e8}, {.cost = 5e9, .load_cost = 1e6, .converges = true}});
-  runners[1].needs = 1e8;
-  runners[1].has_iterate = 0;
-  runners[1].residual = 1;
-  runners[1].rate = 2e-7;  // 1e-9 after 1e8
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners[0].loads, 0);
 }
 
 TEST(RaceTest, LosesNothingThatAMethodHasDone) {
@@ -232,26 +200,6 @@ TEST(RaceTest, StartsAMethodFromWhatTheOthersHaveFound) {
   EXPECT_EQ(runners[1].start_entry, 0.0625);
 }
 
-TEST(RaceTest, DoesNotStartAMethodFromAPoorIterate) {
-  Runners runners({{.cost = 1e5}, {.cost = 2e5, .learns = true}});
-  runners[0].has_iterate = 1;
-  runners[0].residual = 0.25;
-  runners[1].needs = 5;
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners[1].start, nullptr);
-}
-
-TEST(RaceTest, BeginsAnewWhatWasMisled) {
-  Runners runners({{.cost = 1e5}, {.cost = 2e5, .converges = true, .learns = true}});
-  runners[0].has_iterate = 1;
-  runners[0].residual = 0.0625;
-  runners[0].gives_up = 1e9;
-  runners[1].gives_up = 1e9;
-  EXPECT_EQ(runners.run(), Race::End::kAllGaveUp);
-  EXPECT_EQ(runners[1].begins, 2);
-  EXPECT_EQ(runners[1].start, nullptr);
-}
-
 TEST(RaceTest, LetsAReserveEnterWhereTheEntrantBeforeItStalls) {
   Runners runners({{.cost = 1e5, .converges = true}, {.cost = 1e5, .is_reserve = true}});
   runners[0].has_iterate = 1e4;
@@ -263,24 +211,6 @@ TEST(RaceTest, LetsAReserveEnterWhereTheEntrantBeforeItStalls) {
   EXPECT_LE(runners[0].work(), 2 * Race::kLead * 1e6);
 }
 
-TEST(RaceTest, LetsAReserveEnterWhereTheEntrantBeforeItGivesUp) {
-  Runners runners({{.cost = 1e5, .converges = true}, {.cost = 1e5, .is_reserve = true}});
-  runners[0].gives_up = 2e4;
-  runners[1].needs = 1e6;
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners.race.winner(), 1U);
-}
-
-TEST(RaceTest, NeedsNoReserveWhereTheEntrantBeforeItGains) {
-  Runners runners({{.cost = 1e5, .converges = true}, {.cost = 1, .is_reserve = true}});
-  runners[0].has_iterate = 0;
-  runners[0].residual = 0.5;
-  runners[0].rate = 1e-6;
-  runners[0].needs = 1e7;
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners[1].loads, 0);
-}
-
 TEST(RaceTest, EndsWithAnIterateThatIsGoodEnoughAfterSomePatience) {
   Runners runners({{.cost = 1e5}, {.cost = 1e5}});
   runners[1].has_iterate = 1e4;
@@ -289,58 +219,6 @@ TEST(RaceTest, EndsWithAnIterateThatIsGoodEnoughAfterSomePatience) {
   EXPECT_GT(runners.race.work(), 1e4 * Race::kPatience * power(1e4, Race::kSlowness));  // the residual over the aim
   EXPECT_LE(runners.race.work(), 2 * Race::kLead * 4e5 * Race::kPatience);
   EXPECT_EQ(runners.race.best_residual(), 1e-5);
-}
-
-// The first was predicted with certainty, and its residual is still bad: it does not give way to one that may take
-// long.
-TEST(RaceTest, KeepsAPredictionThatTellsMoreThanTheResidual) {
-  Runners runners({{.cost = 1e6, .shape = 4, .load_cost = 5e5, .converges = true},
-                   {.cost = 4e6, .shape = 0.7, .load_cost = 1e5}});
-  runners[0].has_iterate = 0;
-  runners[0].residual = 0.03;
-  runners[0].needs = 1.4e6;
-  EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners.race.winner(), 0U);
-  EXPECT_LE(runners[1].work(), 5e5);
-}
-
-// The residual of the first falls late: a bad one does not take back its prediction, a good one does.
-TEST(RaceTest, BelievesALateResidualWhereItTellsThatLessIsLeft) {
-  for (const double residual : {1e-8, 0.5}) {
-    Runners runners({{.cost = 1e8, .shape = 1.6, .load_cost = 1e5, .converges = true, .falls_late = true},
-                     {.cost = 3e7, .load_cost = 1e5}});
-    runners[0].has_iterate = 0;
-    runners[0].residual = residual;
-    runners[0].needs = 1e7;
-    EXPECT_EQ(runners.run(), Race::End::kClaimed);
-    EXPECT_EQ(runners.race.winner(), 0U);
-    if (residual < 1e-7) {
-      EXPECT_LE(runners[1].work(), 1e7) << residual;
-    }
-    if (residual > 0.1) {
-      EXPECT_GE(runners[1].work(), 1e7) << residual;
-    }
-  }
-}
-
-// A residual that tells nothing does not take back the prediction of the first.
-TEST(RaceTest, KeepsAPredictionUntilTheResidualTells) {
-  for (const double tells_from : {0.0, 1e6}) {
-    Runners runners({{.cost = 1e6, .shape = 0.7, .load_cost = 1e5, .converges = true},
-                     {.cost = 4e6, .shape = 0.7, .load_cost = 1e5}});
-    runners[0].has_iterate = 0;
-    runners[0].residual = 0.8;
-    runners[0].tells_from = tells_from;
-    runners[0].needs = 1e6;
-    EXPECT_EQ(runners.run(), Race::End::kClaimed);
-    EXPECT_EQ(runners.race.winner(), 0U);
-    if (tells_from > 0) {
-      EXPECT_EQ(runners[1].work(), 0);
-    }
-    if (tells_from == 0) {
-      EXPECT_GT(runners[1].work(), 1e6);
-    }
-  }
 }
 
 TEST(RaceTest, BeginsNoLoadThatOutlastsTheDeadline) {

@@ -10,6 +10,8 @@
 #include "core/islands.h"
 #include "core/scene.h"
 #include "generators/sets.h"
+#include "native/active_set/active_set.h"
+#include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/resumable_solver.h"
 #include "native/friction_ipm/friction_ipm.h"
 #include "native/proofs/contact_farkas.h"
@@ -39,6 +41,16 @@ std::vector<Method> methods() {
   all.push_back({"friction_ipm", make_friction_ipm()});
   all.push_back({"proximal_newton", make_proximal_newton()});
   all.push_back({"velocity_ipm", make_velocity_ipm()});
+  ContactLemkeSettings quad, strict;
+  quad.precision = ContactLemkePrecision::kQuad;
+  strict.accept_residual = 0;  // climbs to the last stage
+  ActiveSetSettings climbs;
+  climbs.accept_residual = 0;
+  all.push_back({"contact_lemke", std::make_unique<ContactLemke>(ContactLemkeSettings{})});
+  all.push_back({"contact_lemke in 113 bits", std::make_unique<ContactLemke>(quad)});
+  all.push_back({"contact_lemke on every stage", std::make_unique<ContactLemke>(strict)});
+  all.push_back({"active_set", std::make_unique<ActiveSet>(ActiveSetSettings{})});
+  all.push_back({"active_set on every stage", std::make_unique<ActiveSet>(climbs)});
   return all;
 }
 
@@ -50,10 +62,16 @@ Problem with_offsets(const Problem& problem) {
   return Problem(problem.name() + " with offsets", std::move(contact));
 }
 
-/// Not the interior points on the pile for exact parts: they take long, and end in nothing.
+/// Their best impulses are those of a vertex, or none.
+bool pivots(const Method& method) {
+  return method.name.starts_with("contact_lemke") || method.name.starts_with("active_set");
+}
+
+/// Not the interior points on the pile for exact parts: they take long, and end in nothing. Nor pivots on many contacts.
 bool takes(const Method& method, const Problem& problem) {
-  const bool is_psor = method.name.rfind("psor", 0) == 0;
-  return why_not(method.solver->capabilities(), problem).empty() && (is_psor || problem.name() != "rough pile");
+  const bool is_psor = method.name.starts_with("psor");
+  return why_not(method.solver->capabilities(), problem).empty() && (is_psor || problem.name() != "rough pile") &&
+         !(pivots(method) && problem.size() > 400);
 }
 
 std::vector<Problem> problems() {
@@ -114,7 +132,7 @@ Outcome in_parts(ResumableSolver& solver, const Vector* start, double error, dou
     EXPECT_EQ(outcome.answer.z.size(), 0);  // written at the end alone
     if (parts % 3 != 1) continue;
     const double residual = solver.best(z);
-    if (parts % 12 != 1) continue;
+    if (parts % 12 != 1 || residual == kInfinity) continue;
     SCOPED_TRACE("part " + std::to_string(parts));
     expect_residual(problem, z, residual);
     EXPECT_GE(z.minCoeff(), -1e-12 * z.lpNorm<Eigen::Infinity>());
@@ -126,6 +144,8 @@ Outcome in_parts(ResumableSolver& solver, const Vector* start, double error, dou
 void expect_same(const Answer& answer, const Answer& expected, const std::string& what) {
   EXPECT_EQ(answer.claim, expected.claim) << what;
   EXPECT_EQ(answer.detail, expected.detail) << what;
+  ASSERT_EQ(answer.farkas.size(), expected.farkas.size()) << what;
+  EXPECT_EQ(answer.farkas, expected.farkas) << what;
   ASSERT_EQ(answer.z.size(), expected.z.size()) << what;
   ASSERT_EQ(answer.velocity.size(), expected.velocity.size()) << what;
   EXPECT_EQ(static_cast<const Vector&>(answer.z), expected.z) << what;
@@ -165,57 +185,6 @@ TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
   EXPECT_GE(most_parts, 20);
 }
 
-/// The first exact part takes nine tenths of this solve.
-TEST(ResumableTest, ARefusedProblemTakesNoWorkOfTheOneBefore) {
-  const ContactProblem wall = contact_problem(testing::brick_wall(2, 2));
-  ContactProblem singular = wall;
-  std::get<BlockInertia>(singular.inertia).blocks.front().setZero();
-  for (const auto& make : {make_friction_ipm, make_velocity_ipm}) {
-    const auto solver = make();
-    solver->load(Problem("wall", wall));
-    EXPECT_GT(in_one_part(*solver, nullptr, 0).work, 0);
-    solver->load(Problem("singular", singular));
-    const Outcome outcome = in_one_part(*solver, nullptr, 0);
-    EXPECT_EQ(outcome.answer.claim, Claim::kUnsupported);
-    EXPECT_EQ(outcome.work, 0);
-  }
-}
-
-/// The iteration has converged when the deadline is found to be over, and the active set is to finish the answer.
-TEST(ResumableTest, ADeadlineBeforeTheFinishIsATimeLimit) {
-  const Problem problem = open_set("paper/monotone/exp1")->generate(912, 0);
-  const auto ipm = make_velocity_ipm();
-  ipm->load(problem);
-  Answer answer;
-  int steps = 0;
-  for (ipm->begin(nullptr, 0); !ipm->go_on(1, kInfinity, answer);) ++steps;
-  ASSERT_GT(steps, 0);
-  ipm->begin(nullptr, 0);
-  for (int step = 0; step < steps; ++step) ASSERT_FALSE(ipm->go_on(1, kInfinity, answer));
-  const double work = ipm->work();
-  EXPECT_TRUE(ipm->go_on(1, 0, answer));
-  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
-  EXPECT_EQ(answer.counters.pivots, 0);
-  EXPECT_EQ(answer.counters.factorizations, steps);
-  EXPECT_GE(ipm->work(), work);
-}
-
-TEST(ResumableTest, ATurnOfPsorEndsWithinAnExactPart) {
-  const Problem pile("rough pile", testing::sphere_pile({.columns = 6, .mu = 1.5, .seed = 3}));
-  const auto psor = make_psor({.max_iterations = 2000, .acceleration = PsorSettings::Acceleration::kExact});
-  psor->load(pile);
-  const double whole = in_one_part(*psor, nullptr, 0).work;
-  Answer answer;
-  double longest = 0, before = 0;
-  psor->begin(nullptr, 0);
-  for (bool has_ended = false; !has_ended; before = psor->work()) {
-    has_ended = psor->go_on(1, kInfinity, answer);
-    longest = std::max(longest, psor->work() - before);
-  }
-  EXPECT_EQ(psor->work(), whole);
-  EXPECT_LE(longest, 0.1 * whole);  // contact_lemke loads its engine in 113 bits at once
-}
-
 TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
   for (const Problem& problem : problems()) {
     for (const Method& method : methods()) {
@@ -225,8 +194,10 @@ TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
       method.solver->begin(nullptr, 0);
       Vector z(problem.size());
       double residual = method.solver->best(z);
-      if (method.name == "proximal_newton" && residual == kInfinity) continue;  // it does not take the inertia
-      EXPECT_LT(residual, kInfinity) << what;
+      if (residual == kInfinity) {
+        EXPECT_TRUE(pivots(method) || method.name == "proximal_newton") << what;  // or it does not take the inertia
+        continue;
+      }
       Answer answer;
       bool has_ended = false;
       for (int part = 0; part < 200 && !has_ended; ++part) {
@@ -253,7 +224,7 @@ TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
 TEST(ResumableTest, TheStatedErrorIsClaimedAndNoMore) {
   const Problem wall("wall", testing::frictional_brick_wall(6, 8, 0.5));
   for (const Method& method : methods()) {
-    if (!why_not(method.solver->capabilities(), wall).empty()) continue;
+    if (pivots(method) || !why_not(method.solver->capabilities(), wall).empty()) continue;
     method.solver->load(wall);
     const Outcome rough = in_one_part(*method.solver, nullptr, 1e-2);
     const Outcome full = in_one_part(*method.solver, nullptr, 0);

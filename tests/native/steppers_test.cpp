@@ -128,15 +128,6 @@ INSTANTIATE_TEST_SUITE_P(All, EveryStepper,
                                            "soft_step", "xpbd", "admm", "apgd"),
                          case_name);
 
-TEST(Steppers, EachRegisteredOneIsTestedHereAndSaysWhatItIs) {
-  for (const StepperDefinition& stepper : registered_steppers()) {
-    EXPECT_FALSE(stepper.source.empty());
-    EXPECT_EQ(stepper.settings().empty(), stepper.name == "nothing") << stepper.name;
-    EXPECT_NO_THROW(make_stepper({stepper.name, {}})) << stepper.name;
-  }
-  EXPECT_EQ(registered_steppers().size(), 9U);
-}
-
 TEST(Steppers, SpecsAreCanonicalAndMistakesAreNamed) {
   EXPECT_EQ(canonical_stepper_spec(parse_spec("exact{solver=lemke{engine=dense},warm=true}")).text(),
             "exact{solver=lemke{engine=dense}}");
@@ -254,32 +245,6 @@ TEST(Steppers, TheDepthThatExactLeavesFallsWithTheSquareOfTheStep) {
   }
 }
 
-/// A fifth of 0.9 mm in each step, 1e-5 m a step at the end: 0.8^13 0.9 mm are below 5e-5 m.
-TEST(Steppers, ExactTakesAMillimetreBackInTwentySteps) {
-  Simulation block("exact");
-  block.add({0, 0, 0.499}, 1);
-  double before = 1e-3;
-  for (int i = 0; i < 20; ++i) {
-    const StepAnswer answer = block.step();
-    const double depth = 0.5 - block.scene.bodies[0].position.z();
-    EXPECT_EQ(depth < before, answer.correction.size() > 0) << i;
-    EXPECT_LT(block.scene.bodies[0].linear_velocity.norm(), 1e-12) << "positions alone are corrected";
-    before = depth;
-  }
-  EXPECT_LT(before, 1.1e-4);
-}
-
-/// A problem of all contacts in each step, for what the last digits of a velocity leave.
-TEST(Steppers, ExactCorrectsNoExcessOfANanometre) {
-  for (const auto& [excess, corrected] : {std::pair(1e-9, 0.0), {0.99e-5, 0.0}, {1.1e-5, 1e-5}, {1e-4, 2e-5}}) {
-    Simulation block("exact");
-    block.add({0, 0, 0.5 - 1e-4 - excess}, 1);
-    const StepAnswer answer = block.step();
-    ASSERT_EQ(answer.correction.size(), corrected > 0 ? 6 : 0) << excess;
-    EXPECT_TRUE(corrected == 0 || std::abs(answer.correction(2) - corrected) < 0.05 * corrected) << excess;
-  }
-}
-
 /// Whatever solves the velocities, and however far the widest gap is open, a correction is right to a few per cent.
 TEST(Steppers, ACorrectionOpensNoOtherPenetration) {
   for (const int count : {1, 30}) {
@@ -327,41 +292,6 @@ TEST_P(EveryStepper, BodiesThatMeetKeepTheirMomentum) {
   EXPECT_LT((momentum() - before).tail<3>().norm(), (substeps ? 1e-2 : 1e-9) * before.norm());
 }
 
-TEST(Steppers, NothingLetsABlockFallThroughTheFloor) {
-  Simulation block("nothing");
-  block.add({0, 0, 0.5}, 1);
-  for (int i = 0; i < 100; ++i) block.step();
-  EXPECT_NEAR(block.scene.bodies[0].position.z(), 0.5 - kGravity * kStep * kStep * 100 * 101 / 2, 1e-9);
-}
-
-TEST_P(EveryStepper, WithoutContactsGivesTheVelocitiesOfTheForces) {
-  Simulation bodies(GetParam());
-  bodies.add({0, 0, 5}, 1);
-  bodies.step();
-  EXPECT_NEAR(bodies.scene.bodies[0].linear_velocity.z(), -kGravity * kStep, 1e-12);
-}
-
-TEST_P(EveryStepper, WithoutFrictionABlockGlidesAndStaysUp) {
-  Simulation block(GetParam());
-  block.mu = 0;
-  block.add({0, 0, 0.5}, 1);
-  block.scene.bodies[0].linear_velocity = {1, 0, 0};
-  for (int i = 0; i < 100; ++i) block.step();
-  EXPECT_NEAR(block.scene.bodies[0].linear_velocity.x(), 1, 1e-3);
-  EXPECT_NEAR(block.scene.bodies[0].position.z(), 0.5, 0.02);
-}
-
-/// It may sink in; no number gets lost, and nothing is thrown out.
-TEST_P(EveryStepper, ALoadOf1e12TimesTheMassGivesFiniteVelocities) {
-  Simulation load(GetParam());
-  load.add({0, 0, 0.5}, 1e-6);
-  load.add({0, 0, 1.5}, 1e6);
-  for (int i = 0; i < 20; ++i) load.step();
-  for (const RigidBody& body : load.scene.bodies) {
-    EXPECT_LT(body.linear_velocity.norm() + body.angular_velocity.norm(), 100);  // false for NaN
-  }
-}
-
 TEST_P(EveryStepper, NumbersThatAreNoneGiveNoVelocityThatIsOne) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Simulation block(GetParam());
@@ -398,23 +328,6 @@ TEST_P(Converging, WithoutFrictionIsTheSolutionOfTheContactProblem) {
     velocity[iterated ? 1 : 0] = stack.step().velocity;
   }
   EXPECT_LT((velocity[1] - velocity[0]).lpNorm<Eigen::Infinity>(), 1e-6);
-}
-
-/// With friction: a fixed point of its own update.
-TEST(Steppers, MoreIterationsChangeNothingOnceConverged) {
-  for (const std::string spec : {"pgs{iterations=N}", "sequential_impulses{iterations=N}", "xpbd{iterations=N}",
-                                 "admm{iterations=N,tolerance=1e-13}", "apgd{iterations=N,tolerance=1e-13}"}) {
-    Vector velocity[2];
-    for (const int more : {0, 1}) {
-      std::string text = spec;
-      text.replace(text.find('N'), 1, more == 0 ? "3000" : "6000");
-      Simulation stack(text);
-      for (int i = 0; i < 3; ++i) stack.add({0.05 * i, 0, 0.4999 + 0.9999 * i}, 1 + i);
-      stack.scene.bodies[2].linear_velocity = {1, 0.5, -1};
-      velocity[more] = stack.step().velocity;
-    }
-    EXPECT_LT((velocity[1] - velocity[0]).lpNorm<Eigen::Infinity>(), 1e-6) << spec;
-  }
 }
 
 TEST(Steppers, ThoseThatKnowBodiesRefuseJointsByName) {

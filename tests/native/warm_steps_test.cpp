@@ -1,34 +1,30 @@
 // Steps whose contacts change, solved by `auto` from the last answer.
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "core/warm_start.h"
 #include "generators/scenes/scenes.h"
-#include "study/evaluation/evaluation.h"
-#include "study/evaluation/fastest_contact.h"
-#include "tests/support/box_stacks.h"
-#include "tests/support/least_energy_velocity.h"
+#include "tests/native/auto_checks.h"
 #include "tests/support/allocation_counter.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_auto();
-SolverDefinition lcpbench_solver_friction_ipm();
-}
+#include "tests/support/box_stacks.h"
 
 namespace lcpbench::warm_steps_test {
 namespace {
 
+using testing::auto_solver;
 using testing::box_stacks;
 using testing::BoxStacks;
 using testing::disturbance;
+using testing::expect_verified;
 using testing::falling_velocity;
+using testing::solve;
+using testing::velocity_difference;
 
 /// The stack in this step, with contact points, normals and masses of its own.
 RigidScene stack_in_step(const BoxStacks& shape, int step) {
@@ -50,154 +46,50 @@ RigidScene stack_in_step(const BoxStacks& shape, int step) {
 
 Problem problem_of(const RigidScene& scene) { return {"stack", scene}; }
 
-void expect_verified(const Problem& problem, const Answer& answer, const std::string& what) {
-  ASSERT_EQ(answer.claim, Claim::kSolved) << what << ": " << answer.detail;
-  const Errors errors = Evaluator(problem).errors(answer);
-  EXPECT_TRUE(errors.solved) << what << ": " << answer.detail;
-  EXPECT_LE(errors.velocity_residual_relative, 1e-9) << what << ": " << answer.detail;
-}
-
 bool holds(const Answer& answer) { return answer.detail.find("sticking_contacts") != std::string::npos; }
-
-Answer solve(Solver& solver, const SolveRequest& request = {}) {
-  Answer answer;
-  solver.solve(request, answer);
-  return answer;
-}
-
-Answer cold(const Problem& problem) {
-  const auto solver = lcpbench_solver_auto().make({});
-  solver->load(problem);
-  return solve(*solver);
-}
 
 /// `auto` after a step with this problem, and impulses at all contacts that hold, as those of later steps are.
 std::unique_ptr<Solver> after(const Problem& problem, Vector& start) {
-  const auto first = lcpbench_solver_friction_ipm().make({});
-  first->load(problem);
-  start = solve(*first).z;
-  auto solver = lcpbench_solver_auto().make({});
+  start = solve("friction_ipm", problem).z;
+  auto solver = auto_solver();
   solver->load(problem);
   solve(*solver);
   return solver;
 }
 
-double speed_difference(const Problem& problem, const Answer& a, const Answer& b) {
-  const ContactProblem& contact = *problem.contact();
-  return (post_impact_velocity(contact, a.z) - post_impact_velocity(contact, b.z)).lpNorm<Eigen::Infinity>();
-}
+enum class Form { kBodies, kOneBlock, kDense };
 
-/// That steps 1 to `steps` of stacks are held, each by one factorization. @param start  impulses of the last step
-void expect_held(Solver& solver, const BoxStacks& shape, int steps, Vector& start) {
-  for (int step = 1; step <= steps; ++step) {
-    const Problem problem = problem_of(stack_in_step(shape, step));
-    solver.update(problem);
-    const Answer answer = solve(solver, {.start = &start});
-    expect_verified(problem, answer, "step " + std::to_string(step));
-    EXPECT_TRUE(holds(answer)) << answer.detail;
-    EXPECT_EQ(answer.counters.factorizations, 1) << step;
-    EXPECT_LE(speed_difference(problem, answer, cold(problem)), 1e-8) << step;
-    start = answer.z;
-  }
+/// As free bodies, or as a robot has it: G in one block, or whole.
+Problem in_form(const RigidScene& scene, Form form) {
+  ContactProblem contact = contact_problem(scene);
+  const Matrix G = dense_inertia(contact.inertia);
+  if (form == Form::kOneBlock) contact.inertia = BlockInertia{{G}};
+  if (form == Form::kDense) contact.inertia = DenseInertia{G};
+  return {"stack", std::move(contact)};
 }
 
 // Other contacts in each step, and one factorization finds what holds them.
 TEST(WarmStepsTest, ARestingStackIsStickingByOneFactorization) {
-  const BoxStacks shape{.height = 8, .fresh = 0.2};
-  Vector start;
-  const auto solver = after(problem_of(stack_in_step(shape, 0)), start);
-  expect_held(*solver, shape, 10, start);
-}
-
-// Below the size from which contact_lemke gives way to friction_ipm. A wrong guess is not repeated.
-TEST(WarmStepsTest, SmallIslandsAreStickingByTheFirstGuessOrNone) {
-  const BoxStacks shape{.height = 4, .fresh = 0.2};
-  Vector start;
-  const auto solver = after(problem_of(stack_in_step(shape, 0)), start);
-  expect_held(*solver, shape, 5, start);
-  BoxStacks sliding = shape;
-  sliding.slide = 2;
-  const Problem problem = problem_of(stack_in_step(sliding, 6));
-  solver->update(problem);
-  const Answer answer = solve(*solver, {.start = &start});
-  const Answer expected = cold(problem);
-  EXPECT_FALSE(holds(answer)) << answer.detail;
-  EXPECT_EQ(answer.detail, expected.detail);
-  EXPECT_EQ(answer.z, expected.z);
-  EXPECT_EQ(answer.counters.factorizations, expected.counters.factorizations + 1);
-}
-
-/// The stack as a robot has it: G in one block, or whole.
-Problem in_one_block(const RigidScene& scene, bool is_dense) {
-  ContactProblem contact = *problem_of(scene).contact();
-  const Matrix G = dense_inertia(contact.inertia);
-  if (is_dense) {
-    contact.inertia = DenseInertia{G};
-  } else {
-    contact.inertia = BlockInertia{{G}};
-  }
-  return {"robot", contact};
-}
-
-TEST(WarmStepsTest, OneBlockIsStickingAsItsBodiesAre) {
-  for (const bool is_dense : {false, true}) {
+  for (const Form form : {Form::kBodies, Form::kOneBlock, Form::kDense}) {
     for (const int height : {2, 4, 8}) {
       const BoxStacks shape{.height = height, .fresh = 0.2};
       Vector start;
-      const auto solver = after(in_one_block(stack_in_step(shape, 0), is_dense), start);
+      const auto solver = after(in_form(stack_in_step(shape, 0), form), start);
       for (int step = 1; step <= 5; ++step) {
         const std::string what = std::to_string(height) + " cubes, step " + std::to_string(step);
-        const Problem problem = in_one_block(stack_in_step(shape, step), is_dense);
+        const Problem problem = in_form(stack_in_step(shape, step), form);
         solver->update(problem);
         const Answer answer = solve(*solver, {.start = &start});
         expect_verified(problem, answer, what);
         EXPECT_TRUE(holds(answer)) << what << ": " << answer.detail;
         EXPECT_EQ(answer.counters.factorizations, 1) << what;
-        EXPECT_LE(speed_difference(problem, answer, cold(problem)), 1e-8) << what;
+        EXPECT_LE(velocity_difference(problem, answer, solve(problem)), 1e-8) << what;
         const Vector u = post_impact_velocity(*problem.contact(), answer.z);
         EXPECT_TRUE(answer.velocity.size() == 0 || (answer.velocity - u).lpNorm<Eigen::Infinity>() <= 1e-10) << what;
         start = answer.z;
       }
     }
   }
-}
-
-// After one wrong guess one step goes without, after the second in a row two.
-TEST(WarmStepsTest, WrongGuessesOnSmallIslandsPauseTheGuesses) {
-  const BoxStacks shape{.height = 3, .fresh = 0.2};
-  BoxStacks sliding = shape;
-  sliding.slide = 2;
-  Vector start;
-  const auto solver = after(in_one_block(stack_in_step(shape, 0), false), start);
-  std::vector<bool> is_guessed;
-  for (int step = 1; step <= 5; ++step) {
-    const Problem problem = in_one_block(stack_in_step(sliding, step), false);
-    solver->update(problem);
-    const Answer answer = solve(*solver, {.start = &start});
-    const Answer expected = cold(problem);
-    expect_verified(problem, answer, "step " + std::to_string(step));
-    EXPECT_LE(speed_difference(problem, answer, expected), 1e-7) << step;
-    is_guessed.push_back(answer.counters.factorizations > expected.counters.factorizations);
-  }
-  EXPECT_EQ(is_guessed, (std::vector<bool>{true, false, true, false, false}));
-  const Problem problem = in_one_block(stack_in_step(shape, 6), false);
-  solver->update(problem);
-  EXPECT_TRUE(holds(solve(*solver, {.start = &start})));
-}
-
-// Where most contacts are new nothing is known of what holds.
-TEST(WarmStepsTest, FewKnownContactsAreNoGuess) {
-  const BoxStacks shape{.height = 8, .fresh = 0.2};
-  Vector start;
-  const auto solver = after(problem_of(stack_in_step(shape, 0)), start);
-  const Problem problem = problem_of(stack_in_step(shape, 1));
-  const Index nc = problem.contact()->nc();
-  start.segment(nc / 5, nc - nc / 5).setZero();
-  solver->update(problem);
-  const Answer answer = solve(*solver, {.start = &start});
-  const Answer expected = cold(problem);
-  EXPECT_EQ(answer.z, expected.z);
-  EXPECT_EQ(answer.counters.factorizations, expected.counters.factorizations);
 }
 
 // A cube more: its contacts have no impulse in the start, and are held because they approach.
@@ -245,10 +137,9 @@ TEST(WarmStepsTest, AWrongGuessChangesNoAnswer) {
     const Problem problem = problem_of(scenes[k]);
     solver->update(problem);
     const Answer answer = solve(*solver, {.start = &start});
-    const Answer expected = cold(problem);
-    ASSERT_EQ(answer.claim, Claim::kSolved) << k << ": " << answer.detail;
-    EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << k << ": " << answer.detail;
-    EXPECT_LE(speed_difference(problem, answer, expected), 1e-7) << k << ": " << answer.detail;
+    const Answer expected = solve(problem);
+    testing::expect_solved(problem, answer, kSolvedVelocityResidual, std::to_string(k));
+    EXPECT_LE(velocity_difference(problem, answer, expected), 1e-7) << k << ": " << answer.detail;
     wrong += holds(answer) ? 0 : 1;
   }
   EXPECT_GE(wrong, 4);
@@ -299,7 +190,7 @@ TEST(WarmStepsTest, SolvesOfStickingContactsAllocateNothing) {
 /// The steps of a collected scene one after the other, each from the answer to the last: what cold solves have to be.
 void expect_as_right_as_cold(const CollectedScene& scene) {
   const auto file = open_collected(scene);
-  const auto solver = lcpbench_solver_auto().make({});
+  const auto solver = auto_solver();
   std::vector<ContactId> ids, last_ids;
   ContactLayout layout, last_layout;
   ContactMatch match;
@@ -318,15 +209,10 @@ void expect_as_right_as_cold(const CollectedScene& scene) {
     if (has_start) matched_start(answer.z, last_layout, match, layout, start);
     solver->update(step.problem);
     solver->solve({.start = &start, .time_limit_s = 60}, answer);
-    ASSERT_EQ(answer.claim, Claim::kSolved) << what << ": " << answer.detail;
-    EXPECT_TRUE(Evaluator(step.problem).errors(answer).solved) << what << ": " << answer.detail;
+    testing::expect_solved(step.problem, answer, kSolvedVelocityResidual, what);
     last_ids = ids;
     last_layout = layout;
-    const double before = fastest_contact(contact, contact.v).m_per_s;
-    const Vector rest = testing::least_energy_velocity(contact);
-    if (rest.size() == 0 || fastest_contact(contact, rest).m_per_s > 1e-9 * before) continue;
-    const double after = fastest_contact(contact, post_impact_velocity(contact, answer.z)).m_per_s;
-    EXPECT_LE(after, 1e-8 * before) << what << ": " << answer.detail;
+    testing::expect_rest_where_it_is_a_solution(contact, answer, what);
   }
 }
 

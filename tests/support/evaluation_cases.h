@@ -1,9 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -11,44 +8,19 @@
 
 #include "core/scene.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/support/contacts.h"
 
 // Problems with answers worked out by hand, and draws that are the same everywhere, for the tests of the evaluation.
 
 namespace lcpbench {
 
+using testing::Draw;
+using testing::frictionless;
+using testing::in_dense_matrices;
+using testing::vec;
+
 inline constexpr double kInf = std::numeric_limits<double>::infinity();
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-// splitmix64, so that the tests draw the same numbers everywhere.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits() {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t x = state_;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-  }
-  double uniform() { return static_cast<double>(bits() >> 52) * 0x1p-11 - 1.0; }  // multiples of 2^-11 in [-1, 1)
-  Matrix matrix(Index rows, Index cols) {
-    Matrix A(rows, cols);
-    for (Index j = 0; j < cols; ++j) {
-      for (Index i = 0; i < rows; ++i) A(i, j) = uniform();
-    }
-    return A;
-  }
-  Vector vector(Index size) { return matrix(size, 1); }
-
- private:
-  std::uint64_t state_;
-};
-
-inline Vector vec(std::initializer_list<double> values) {
-  Vector x(static_cast<Index>(values.size()));
-  std::copy(values.begin(), values.end(), x.begin());
-  return x;
-}
 
 inline Answer answer(Vector z, Claim claim = Claim::kSolved) {
   Answer result;
@@ -58,17 +30,6 @@ inline Answer answer(Vector z, Claim claim = Claim::kSolved) {
 }
 
 inline Errors evaluate(const Problem& problem, const Vector& z) { return Evaluator(problem).errors(answer(z)); }
-
-inline ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
-  ContactProblem problem;
-  problem.v = std::move(v);
-  problem.edges.assign(static_cast<std::size_t>(N.cols()), 0);
-  problem.mu = Vector::Zero(N.cols());
-  problem.D = Matrix(N.rows(), 0);
-  problem.N = std::move(N);
-  problem.inertia = std::move(inertia);
-  return problem;
-}
 
 // A particle of mass 1 in the plane that meets the ground y = 0, friction along x.
 // z = [f_n; f_+, f_-; lambda], w = [v+_y; lambda + v+_x, lambda - v+_x; mu f_n - f_+ - f_-].

@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "core/problem.h"
-#include "core/registry.h"
+#include "tests/support/contacts.h"
+#include "tests/support/solving.h"
 
 namespace lcpbench::testing {
 
@@ -26,18 +27,9 @@ inline Vector least_energy_velocity(const ContactProblem& contact) {
   const auto count = static_cast<Index>(edges.size());
   Matrix normals(contact.ngc(), count);
   for (Index j = 0; j < count; ++j) normals.col(j) = edges[static_cast<std::size_t>(j)];
-  ContactProblem convex;
-  convex.v = contact.v;
-  convex.inertia = contact.inertia;
-  convex.N = normals;
-  convex.D = Matrix(contact.ngc(), 0);
-  convex.edges.assign(edges.size(), 0);
-  convex.mu = Vector::Zero(count);
+  ContactProblem convex = frictionless(contact.v, normals, contact.inertia);
   if (contact.has_offset()) convex.b = Eigen::Map<const Vector>(offsets.data(), count);
-  const auto solver = make_solver(parse_spec("active_set"));
-  Answer answer;
-  solver->load(Problem("least energy", convex));
-  solver->solve({.time_limit_s = 10}, answer);
+  const Answer answer = solve("active_set", Problem("least energy", convex), {.time_limit_s = 10});
   return answer.claim == Claim::kSolved ? Vector(answer.velocity) : Vector();
 }
 
