@@ -110,7 +110,9 @@ class DualMethod final : public Engine {
       outcome.ending = Ending::kRejected;
     }
     outcome.is_singular = !whitening_.triangular();
-    outcome.has_velocity = outcome.ending != Ending::kBreakdown && test_.holds_velocity(answer());
+    outcome.has_velocity = outcome.ending != Ending::kBreakdown &&
+                           (test_.is_far_from_underflow() || keeps_digits()) &&
+                           test_.holds_velocity(answer(velocity_.data(), change_.data()));
     return outcome;
   }
 
@@ -122,7 +124,7 @@ class DualMethod final : public Engine {
   double residual(const double* z) override {
     if (!usable_) return __builtin_inf();
     const Count pressed = take_impulses(z);
-    return test_.residual(answer(), active_.data(), pressed);
+    return test_.residual(answer(nullptr, nullptr), active_.data(), pressed);
   }
 
  private:
@@ -412,21 +414,24 @@ class DualMethod final : public Engine {
   /// What no impulse moves has the velocity that was given, without any rounding.
   void keep_unmoved_velocity();
 
+  /// Whether no velocity, in the metric of the inertia, is so small that underflow takes digits that count: a body of
+  /// 1e-55 kg at 1e-320 m/s would stand still, though no impulse stops it. @pre find_active_impulses()
+  [[gnu::noinline]] bool keeps_digits() const;
+
   /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
   bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
-    typename VelocityTest<Scalar>::Answer tested = answer();
-    tested.velocity = velocity;
-    tested.whitened_change = whitened_change;
-    return test_.passes(tested, active_.data(), pressed, static_cast<Scalar>(limit));
+    return test_.passes(answer(velocity, whitened_change), active_.data(), pressed, static_cast<Scalar>(limit));
   }
 
-  typename VelocityTest<Scalar>::Answer answer() {
+  typename VelocityTest<Scalar>::Answer answer(const Scalar* velocity, const Scalar* whitened_change) {
     return {.v = v_.data(),
             .b = b_,
             .given = given_.data(),
             .speed = speed_,
             .impulse = impulse_.data(),
-            .slack = slack_.data()};
+            .slack = slack_.data(),
+            .velocity = velocity,
+            .whitened_change = whitened_change};
   }
 
   /// u of Engine::solve(): 1 for the entering contact and, unless nothing moves that, -share_ for the active ones, none
@@ -442,7 +447,7 @@ class DualMethod final : public Engine {
   };
 
   Dimensions reserved_;
-  Outcome stopped_;                           ///< at a limit on work
+  Outcome stopped_;  ///< at a limit on work
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;
   Whitening<Scalar> whitening_;
@@ -450,9 +455,9 @@ class DualMethod final : public Engine {
   YieldingContacts<Scalar> yielding_{whitening_};
   YieldingFriction<Scalar> friction_{whitening_};
   bool usable_ = false;
-  const double* b_ = nullptr;       // nullptr: zero
-  const double* mu_ = nullptr;      // nullptr: no friction
-  double begin_s_ = 0;              // of the solve, on its clock; NaN until that is read
+  const double* b_ = nullptr;  // nullptr: zero
+  const double* mu_ = nullptr;  // nullptr: no friction
+  double begin_s_ = 0;  // of the solve, on its clock; NaN until that is read
   Scalar violation_threshold_ = 0;  // of merit_
 
   Buffer<Scalar> v_;      // ngc
@@ -460,7 +465,7 @@ class DualMethod final : public Engine {
   Scalar speed_ = 0;      // the largest magnitude in it
   Buffer<Scalar> y0_;     // C v
   Buffer<Scalar> slack_;
-  Buffer<Scalar> merit_;   // see measure_merits()
+  Buffer<Scalar> merit_;  // see measure_merits()
   Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
 
   Buffer<bool> is_moved_;  // by island

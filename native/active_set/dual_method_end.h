@@ -153,6 +153,24 @@ inline void DualMethod<Scalar>::keep_unmoved_velocity() {
 }
 
 template <class Scalar>
+bool DualMethod<Scalar>::keeps_digits() const {
+  // What underflows beside it, 2^-1074, is no more than the rounding that the verdict allows, 2^-53 of it.
+  constexpr Scalar kLeast = static_cast<Scalar>(1e-140);
+  for (Count k = 0; k < pressing_; ++k) {
+    if (coefficients_[k] != 0 && magnitude(coefficients_[k]) < kLeast) return false;
+  }
+  if (!whitening_.triangular() || pressing_ == 0) return true;
+  const auto zero = L::broadcast(0);
+  auto missing = zero;
+  for (Count i = 0; i < lanes(); i += L::kWidth) {
+    const auto v = L::load(v_.data() + i);
+    const auto distance = L::load(whitening_.root_diagonal() + i) * L::max(v, -v);
+    missing = L::max(v == zero ? zero : L::broadcast(kLeast) - distance, missing);
+  }
+  return !(L::max(missing) > 0);
+}
+
+template <class Scalar>
 inline void DualMethod<Scalar>::write_farkas(double* u) {
   for (Count j = 0; j < whitening_.nc(); ++j) u[j] = 0;
   u[entering_contact_] = 1;

@@ -8,10 +8,14 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// Whether impulses z solve the problem, judged by w = N'(v + G* N z) + b + r_n z with a bound on what rounding does to
 /// it, each island by its own scale.
 ///
-/// Let x = u - v, and C'C = G + E with E within backward_error(). Then x is off by G^-1 E x, of which contact j sees at
-/// most |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit diagonal of G, with |A^-1| within Whitening::condition().
-/// Where that does not suffice in double, the residual r = N z - G x is formed in twice the bits: x is off by G^-1 r,
-/// of which contact j sees at most |W_j| |r|_G*.
+/// Sharper bounds take longer, and are computed only where coarser ones do not decide. Let x = u - v, and C'C = G + E
+/// with E within backward_error(). Then x is off by G^-1 E x, of which contact j sees at most |W_j| |A^-1|^(1/2) |E x|,
+/// A and E scaled to unit diagonal of G. The bounds, in this order:
+///   1. |A^-1| is bounded by what loading G leaves (Whitening::condition()).
+///   2. In double, of one island: the residual r = N z - G x is formed in more bits. x is off by G^-1 r, of which a
+///      contact sees at most |W_j| |r|_G*, here with the longest normal.
+///   3. |A^-1| is bounded by the trace of the inverse (Whitening::sharpen_condition()).
+///   4. In double: r again, of all islands, with the normal of each contact.
 template <class Scalar>
 class VelocityTest {
   using L = Lanes<Scalar>;
@@ -33,7 +37,7 @@ class VelocityTest {
 
   void reserve(Count ngc, Count nc) {
     const Count vectors = L::padded(ngc);
-    resize_all(vectors + 1, change_, residual_);
+    resize_all(vectors + 1, change_, residual_, moved_);
     terms_.resize(L::padded(nc) + 1);
     measures_.resize(nc + 1);  // islands have contacts: there are no more of them
   }
@@ -52,19 +56,18 @@ class VelocityTest {
   bool passes(const Answer& answer, const Count* active, Count pressed, Scalar limit) {
     active_ = active;
     pressed_ = pressed;
-    respond(answer);
-    const bool is_coarse = is_whole_ && answer.velocity != nullptr;
-    if (is_coarse && passes_as_a_whole(answer, limit)) return true;
-    if (whitening_.triangular()) {
-      if (!condition_is_trusted()) {
-        whitening_.sharpen_condition(residual_.data());
-        if (is_coarse && passes_as_a_whole(answer, limit)) return true;
-      }
-      find_change(answer);
-      if constexpr (kHasMoreBits) {
-        if (is_whole_ && passes_by_residual(answer, limit)) return true;
-      }
+    is_off_known_ = is_far_from_underflow_ = false;
+    const bool has_residual = this->has_residual(answer);
+    const bool needs_residual = has_residual && exceeds_bound(answer, limit);
+    if constexpr (kHasMoreBits) {
+      if (needs_residual && passes_by_residual(answer, limit)) return true;
     }
+    respond(answer);
+    if (is_whole_ && !needs_residual && passes_as_a_whole(answer, limit)) return true;
+    if constexpr (kHasMoreBits) {
+      if (has_residual && !needs_residual && passes_by_residual(answer, limit)) return true;
+    }
+    if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     return passes_by_islands(answer, limit);
   }
 
@@ -93,27 +96,31 @@ class VelocityTest {
     return largest;
   }
 
+  /// Whether the impulses that passes() saw, all of one island, are so large that no underflow counts beside them.
+  bool is_far_from_underflow() const { return is_far_from_underflow_; }
+
   /// Whether rounding in the factors of the inertia takes at most kMostLost of a velocity.
   bool trusts_factors() const {
     return (whitening_.triangular() ? whitening_.lost() : whitening_.noise()) <= static_cast<Scalar>(kMostLost);
   }
 
-  /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate: rounding takes
-  /// little, no impulse is so small that underflow counts beside it, and none presses on compliance with a response
-  /// that was taken for rounding.
+  /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate. Where rounding
+  /// may take more than kMostLost, the residual has to show it; nothing does where a contact that yields has an impulse
+  /// whose response was taken for rounding.
   /// @pre passes() of the same answer
-  bool holds_velocity(const Answer& answer) const {
+  bool holds_velocity(const Answer& answer) {
     for (Count k = 0; k < pressed_; ++k) {
-      const Scalar impulse = answer.impulse[active_[k]];
-      if (impulse == 0) continue;
-      if (!whitening_.moves(active_[k])) return false;
-      if (!(whitening_.squared_norm(active_[k]) * impulse * impulse > static_cast<Scalar>(kSafeSquare))) return false;
+      if (!whitening_.moves(active_[k]) && answer.impulse[active_[k]] != 0) return false;
     }
-    return pressed_ == 0 || trusts_factors();
+    if (pressed_ == 0) return true;
+    if (trusts_factors()) return true;
+    if (!whitening_.triangular()) return false;
+    if constexpr (kHasMoreBits) return has_residual(answer) && residual_shows_velocity(answer);
+    return false;
   }
 
  private:
-  static constexpr double kMostLost = 1e-3;         ///< of a velocity that is returned without more tests
+  static constexpr double kMostLost = 1e-3;  ///< of a velocity that is returned without more tests
   static constexpr double kRoundings = 8;           ///< of a sum of products, beside one for each of them
   static constexpr double kTrusted = 0.1;           ///< share of G's least eigenvalue that rounding may take
   static constexpr double kRoom = 1.25;             ///< for G instead of C'C within kTrusted, and for rounding it
@@ -121,6 +128,8 @@ class VelocityTest {
   static constexpr double kSafeSquare = 1e-280;     ///< no terms that matter beside it have underflowed
   static constexpr double kUnderflow = 1e-170;      ///< more than sums lose to it, over the root of any G_ii
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
+  /// Of two doubles, exactly: what cancels in N z then leaves no rounding.
+  static constexpr bool kHoldsProducts = kUnitRoundoff<Scalar> < 0x1p-106;
 
   /// What an answer is worth, over an island or all.
   struct Measure {
@@ -128,8 +137,8 @@ class VelocityTest {
     Scalar largest = 0;           ///< max |W_j|^2, without C of squared_length()
     Scalar terms = 0;             ///< sum of |W_j| z_j, alike
     Scalar squared_change = 0;    ///< sum of (u - v)_i^2 G_ii
+    Scalar whitened_change = 0;   ///< sum of (C (u - v))_i^2, where products are held exactly
     Scalar squared_residual = 0;  ///< |C^-T r|^2
-    Scalar off = 0;               ///< off_by_residual()
     Scalar scale = 0;             ///< max|q|, or the floor that the rounding of q sets
   };
 
@@ -167,6 +176,7 @@ class VelocityTest {
     if (!finite(sum) || !finite(most) || !is_double(all.worst)) return false;
     if (pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
+    is_far_from_underflow_ = true;
     // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
     const Scalar moved = whitening_.largest_squared_norm() * sum * static_cast<Scalar>(static_cast<double>(pressed_));
     if (!whitening_.triangular()) {
@@ -174,119 +184,126 @@ class VelocityTest {
       const Scalar sums = roundings(2 * static_cast<double>(whitening_.ngc()));
       return (2 * whitening_.noise() + sums) * square_root(moved) <= most;
     }
+    if (covers_rounding(answer, most, moved)) return true;
+    if (has_residual(answer)) return false;  // it is sharper, and takes less time
+    whitening_.sharpen_condition();
     return covers_rounding(answer, most, moved);
   }
 
   /// Whether `most` is at least what rounding does to w: |E x| times |A^-1|^(1/2) |W_j|, and all else in terms of the
   /// root of `moved`. Of squares, without roots: (a + b)^2 <= 1.1 a^2 + 11 b^2.
-  bool covers_rounding(const Answer& answer, Scalar most, Scalar moved) const {
-    if (!condition_is_trusted()) return false;
-    const Scalar of_change = of_velocity(answer);
-    const Scalar sums = roundings(4 * static_cast<double>(whitening_.ngc()));
-    const Scalar of_terms = sums * sums * size() * whitening_.condition() * moved;
-    return most * most > static_cast<Scalar>(kSafeSquare) && of_change > 0 &&
-           static_cast<Scalar>(1.1) * whitening_.largest_squared_norm() * of_change + 11 * of_terms <= most * most;
+  bool covers_rounding(const Answer& answer, Scalar most, Scalar moved) const;
+
+  /// The square of |E x| |A^-1|^(1/2) by the length of x in the metric of G. 0: not known.
+  Scalar of_whitened_change() const {
+    const Scalar squared = dot(change_.data(), change_.data(), lanes());
+    return squared > static_cast<Scalar>(kSafeSquare) ? whitening_.lost() * whitening_.lost() * squared : Scalar(0);
   }
 
-  /// The square of |E x| |A^-1|^(1/2), by the length of x in the metric of the diagonal of G. The velocity at hand
-  /// gives that, but for what its whitened change differs from change_ by, and for the rounding of the velocity itself.
-  /// 0: not known.
-  Scalar of_velocity(const Answer& answer) const {
-    const Scalar condition = whitening_.condition();
-    const Scalar roundoff = (size() + 3) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
-    const auto of_difference = L::broadcast(22 * condition);
-    const auto of_rounding = L::broadcast(44 * condition * size() * roundoff * roundoff);
-    const auto of_change = L::broadcast(static_cast<Scalar>(1.1));
-    auto sum = L::broadcast(0);
+  /// The same by its length in the metric of the diagonal of G, which most often is far less than |A^-1|^(1/2) times
+  /// the other. The velocity at hand gives it, but for what its whitened change differs from change_ by, and for the
+  /// rounding of the velocity itself.
+  Scalar of_velocity(const Answer& answer) const;
+
+  /// Whether covers_rounding() will be false whatever w is: what it asks of the change alone is too much already.
+  bool exceeds_bound(const Answer& answer, Scalar limit) const {
+    auto changes = L::broadcast(0);
     for (Count i = 0; i < lanes(); i += L::kWidth) {
       const auto root = L::load(whitening_.root_diagonal() + i);
-      const auto from = root * L::load(answer.v + i);
-      const auto to = root * L::load(answer.velocity + i);
-      const auto off = L::load(change_.data() + i) - L::load(answer.whitened_change + i);
-      const auto change = to - from;
-      sum += of_change * change * change + of_difference * off * off + of_rounding * (to * to + from * from);
+      const auto change = root * (L::load(answer.velocity + i) - L::load(answer.v + i));
+      changes += change * change;
     }
-    const Scalar squared = L::sum(sum);
+    const Scalar most = limit * answer.speed;
     const Scalar error = size() * whitening_.backward_error();
-    return squared > static_cast<Scalar>(kSafeSquare) ? condition * error * error * squared : Scalar(0);
+    return whitening_.largest_squared_norm() * whitening_.condition() * error * error * L::sum(changes) > most * most;
   }
 
   bool condition_is_trusted() const { return whitening_.lost() < static_cast<Scalar>(kTrusted); }
 
-  /// How far the velocities of an island may be off in the metric of G, by the residual of the change.
-  Scalar off_by_residual(const Measure& island) const {
-    const Scalar bits = roundings(static_cast<double>(whitening_.ngc() + pressed_));
-    const Scalar own =
-        bits * bits * (size() * square_root(island.squared_change) + square_root(size()) * island.terms) +
-        static_cast<Scalar>(kUnderflow);
-    return static_cast<Scalar>(kRoom) *
-           (square_root(island.squared_residual) + square_root(whitening_.condition()) * own);
+  /// Whether passes_by_residual() can say anything, and takes less time than other tests; else it may not be asked.
+  bool has_residual(const Answer& answer) const {
+    return kHasMoreBits && is_whole_ && whitening_.triangular() && answer.velocity != nullptr &&
+           whitening_.ngc() >= L::kWidth && condition_is_trusted();
   }
 
-  /// change_ := u - v, that of the velocity at hand where there is one: more exact than what C makes of z.
-  void find_change(const Answer& answer) {
-    if (answer.velocity == nullptr) return whitening_.solve(change_.data());
-    for (Count i = 0; i < lanes(); i += L::kWidth) {
-      L::store(change_.data() + i, L::load(answer.velocity + i) - L::load(answer.v + i));
-    }
-  }
-
-  /// Of one island, with the longest normal for all.
+  /// Whether one island passes by the residual of the velocity that is returned, formed with twice the bits of a
+  /// double, and by the longest normal for all of them.
   [[gnu::noinline]] bool passes_by_residual(const Answer& answer, Scalar limit) {
-    if (!condition_is_trusted()) return false;
-    move_contacts(answer);
-    const OfAll all = measure_all(answer);
-    auto terms = L::broadcast(0), changes = L::broadcast(0);
-    for (Count j = 0; j < contact_lanes(); j += L::kWidth) terms = L::max(L::load(terms_.data() + j), terms);
     for (Count i = 0; i < lanes(); i += L::kWidth) {
-      const auto change = L::load(whitening_.root_diagonal() + i) * L::load(change_.data() + i);
+      L::store(moved_.data() + i, L::load(answer.velocity + i) - L::load(answer.v + i));
+    }
+    move_contacts(answer, moved_.data());
+    form_residual(answer, moved_.data());
+    const OfAll all = measure_all(answer);
+    auto terms = L::broadcast(0);
+    for (Count j = 0; j < contact_lanes(); j += L::kWidth) terms = L::max(L::load(terms_.data() + j), terms);
+    auto changes = L::broadcast(0);
+    for (Count i = 0; i < lanes(); i += L::kWidth) {
+      const auto change = L::load(whitening_.root_diagonal() + i) * L::load(moved_.data() + i);
       changes += change * change;
     }
-    measures_[0] = {.terms = square_root(static_cast<Scalar>(static_cast<double>(pressed_)) * all.squares),
-                    .squared_change = L::sum(changes)};
-    measure_residual(answer);
-    const Scalar rounding = square_root(whitening_.largest_squared_norm()) * measures_[0].off +
+    const Scalar terms_of_impulse = square_root(static_cast<Scalar>(pressed_) * all.squares);  // by Cauchy and Schwarz
+    is_far_from_underflow_ = all.squares > static_cast<Scalar>(kSafeSquare);
+    off_ = off_by(dot(residual_.data(), residual_.data(), lanes()), L::sum(changes), terms_of_impulse);
+    is_off_known_ = true;
+    const Scalar rounding = square_root(whitening_.largest_squared_norm()) * off_ +
                             roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
     const Scalar most = limit * answer.speed;
     return finite(most) && all.worst + rounding <= most;
   }
 
-  /// residual_ := C^-T (N z - G x) of x = change_; its squares by islands.
-  [[gnu::noinline]] void measure_residual(const Answer& answer) {
+  [[gnu::noinline]] bool residual_shows_velocity(const Answer& answer) {
+    if (!is_off_known_) passes_by_residual(answer, 0);
+    const Scalar off = off_ * square_root(whitening_.condition());
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      const Scalar size = magnitude(answer.v[i]) + magnitude(answer.velocity[i] - answer.v[i]);
+      if (!(off <= static_cast<Scalar>(0.5e-4) * whitening_.root_diagonal()[i] * size)) return false;
+    }
+    return true;
+  }
+
+  /// How far a velocity may be off in the metric of G, by the residual of its change.
+  /// @param squared_residual  |C^-T r|^2 @param squared_change  sum of x_i^2 G_ii @param terms  sum of |W_j| z_j
+  Scalar off_by(Scalar squared_residual, Scalar squared_change, Scalar terms) const {
+    const Scalar bits = roundings(static_cast<double>(whitening_.ngc() + pressed_));
+    const Scalar own = bits * bits * (size() * square_root(squared_change) + square_root(size()) * terms) +
+                       static_cast<Scalar>(kUnderflow);
+    return static_cast<Scalar>(kRoom) * (square_root(squared_residual) + square_root(whitening_.condition()) * own);
+  }
+
+  /// residual_ := C^-T r of the change x, r = N z - G x.
+  void form_residual(const Answer& answer, const Scalar* x) {
     const Count ngc = whitening_.ngc();
     set_zero(residual_.data(), lanes());
+    if (ngc == 0) return;
     if (ngc < L::kWidth) {
-      form_residual(answer, 0, [ngc](const double* from) { return load_first<Scalar>(from, ngc); });
+      form_residual_from(answer, x, 0, [ngc](const double* from) { return load_first<Scalar>(from, ngc); });
     } else {
-      for (Count i = 0; i + L::kWidth <= ngc; i += L::kWidth) form_residual(answer, i, L::load);
-      if (ngc % L::kWidth != 0) form_residual(answer, ngc - L::kWidth, L::load);  // some of it again
+      for (Count i = 0; i + L::kWidth <= ngc; i += L::kWidth) form_residual_from(answer, x, i, L::load);
+      if (ngc % L::kWidth != 0) form_residual_from(answer, x, ngc - L::kWidth, L::load);  // some of it again
     }
     whitening_.solve_transposed(residual_.data());
-    for (Count i = 0; i < ngc; ++i) {
-      const Count k = island_of_coordinate(i);
-      if (k >= 0) measures_[k].squared_residual += residual_[i] * residual_[i];
-    }
-    for (Count k = 0; k < islands_; ++k) measures_[k].off = off_by_residual(measures_[k]);
   }
 
   template <class Load>
-  [[gnu::always_inline]] inline void form_residual(const Answer& answer, Count i, const Load& load) {
+  [[gnu::always_inline]] inline void form_residual_from(const Answer& answer, const Scalar* x, Count i,
+                                                        const Load& load) {
     TwofoldSum sum;
     for (Count k = 0; k < pressed_; ++k) {
       const Count contact = active_[k];
       sum.add(load(whitening_.given_normal(contact) + i), L::broadcast(answer.impulse[contact]));
     }
     for (Count j = 0; j < whitening_.ngc(); ++j) {
-      sum.add(load(whitening_.inertia_column(j) + i), L::broadcast(-change_[j]));
+      sum.add(load(whitening_.inertia_column(j) + i), L::broadcast(-x[j]));
     }
     L::store(residual_.data() + i, sum.value());
   }
 
   [[gnu::noinline]] bool passes_by_islands(const Answer& answer, Scalar limit) {
     by_residual_ = false;
-    for (Count k = 0; k < islands_; ++k) measures_[k] = {};
+    for (Count k = 0; k < islands_; ++k) measures_[k] = {.whitened_change = measures_[k].whitened_change};
     for (Count i = 0; i < whitening_.ngc() && whitening_.triangular(); ++i) {
-      const Count k = island_of_coordinate(i);
+      const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
       const Scalar change = whitening_.root_diagonal()[i] * change_[i];
       if (k >= 0) measures_[k].squared_change += change * change;
     }
@@ -294,20 +311,27 @@ class VelocityTest {
       const Count k = island_of_contact(j);
       if (k >= 0 && !add_given(answer, j, measures_[k])) return false;
     }
-    // Of one island passes_as_a_whole() has found what these bounds find, and w is that of the velocity by now.
-    const bool repeats = kHasMoreBits && is_whole_ && whitening_.triangular();
-    bool is_measured = !repeats && measure_worst(answer);
-    if (is_measured && islands_pass(limit)) return true;
+    bool measured = false;
+    // Of one island and its velocity, passes_as_a_whole() has found what these bounds find.
+    const bool repeats = kHasMoreBits && whitening_.triangular() && is_whole_ && answer.velocity != nullptr;
+    if (!repeats) {
+      measured = measure_worst(answer);
+      if (measured && islands_pass(limit)) return true;
+    }
+    if (whitening_.triangular()) {
+      whitening_.sharpen_condition();
+      if (measured && islands_pass(limit)) return true;
+    }
     if constexpr (kHasMoreBits) {
-      if (whitening_.triangular() && condition_is_trusted()) {
+      if (whitening_.triangular()) {
         by_residual_ = true;
-        move_contacts(answer);
+        move_contacts(answer, change_.data());
         measure_residual(answer);
-        is_measured = measure_worst(answer);
-        if (is_measured && islands_pass(limit)) return true;
+        measured = measure_worst(answer);
+        if (measured && islands_pass(limit)) return true;
       }
     }
-    if (!is_measured) return false;
+    if (!measured) return false;
     raise_scales(answer);
     return islands_pass(limit);
   }
@@ -327,13 +351,18 @@ class VelocityTest {
   /// answer.slack := w = N'v + b + W'c + r_n z. @pre active_ and pressed_ are set
   void respond(const Answer& answer) {
     set_zero(change_.data(), lanes());
-    for (Count k = 0; k < pressed_; ++k) {
-      if (!whitening_.moves(active_[k])) continue;
-      add_unpadded_multiple(change_.data(), answer.impulse[active_[k]], whitening_.given_normal(active_[k]),
-                            whitening_.ngc());
+    if constexpr (kHoldsProducts) {
+      add_impulses_exactly(answer);
+    } else {
+      for (Count k = 0; k < pressed_; ++k) {
+        if (!whitening_.moves(active_[k])) continue;
+        add_unpadded_multiple(change_.data(), answer.impulse[active_[k]], whitening_.given_normal(active_[k]),
+                              whitening_.ngc());
+      }
     }
     if (whitening_.triangular()) {
       whitening_.solve_transposed(change_.data());
+      if constexpr (kHoldsProducts) measure_whitened_change();
     } else {
       whitening_.project(change_.data(), residual_.data());
       copy(change_.data(), residual_.data(), lanes());
@@ -368,7 +397,6 @@ class VelocityTest {
     return true;
   }
 
-  Count island_of_coordinate(Count i) const { return island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i]; }
   Count island_of_contact(Count j) const { return island_of_contact_ == nullptr ? 0 : island_of_contact_[j]; }
 
   /// Beyond the range of double what is off is no error in m/s, however small it is beside the scale. False for NaN.
@@ -398,44 +426,29 @@ class VelocityTest {
 
   /// One more than the nonzero entries of the normal and the offset, times the sum of the magnitudes of what
   /// N_j'v + b_j adds up.
-  Scalar floor_terms(const Answer& answer, Count j) const {
-    const Scalar offset = answer.b != nullptr ? static_cast<Scalar>(answer.b[j]) : Scalar(0);
-    Count entries = offset != 0 ? 2 : 1;
-    if (whitening_.is_soft() && whitening_.compliance(j) != 0) ++entries;  // the speed 0 of what gives way
-    Scalar terms = magnitude(offset);
-    for (Count i = 0; i < whitening_.ngc(); ++i) {
-      const double entry = whitening_.given_normal(j)[i];
-      entries += entry != 0 ? 1 : 0;
-      terms += magnitude(static_cast<Scalar>(entry) * answer.v[i]);
-    }
-    return static_cast<Scalar>(static_cast<double>(entries)) * terms;
-  }
+  Scalar floor_terms(const Answer& answer, Count j) const;
 
   /// How far the velocity of any contact of the island may be off, by the backward error of C.
-  Scalar rounding(const Measure& island) const {
-    if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
-    const Scalar reach = square_root(island.largest);
-    const Scalar sums = roundings(static_cast<double>(whitening_.ngc() + pressed_));
-    if (!whitening_.triangular()) return reach * island.terms * (2 * whitening_.noise() + sums);
-    if (!condition_is_trusted()) return kInfinity<Scalar>;
-    return reach * square_root(whitening_.condition()) *
-           (size() * whitening_.backward_error() * square_root(island.squared_change) +
-            sums * square_root(size()) * island.terms);
-  }
+  Scalar rounding(const Measure& island) const;
+
+  /// change_ := N z of impulses that are doubles, each sum with its rounding made up for. [Ogita, Rump, Oishi 2005,
+  /// Sum2]
+  void add_impulses_exactly(const Answer& answer);
+
+  void measure_whitened_change();
 
   /// How far the velocity of contact j may be off, by the residual of the change. @pre measure_residual()
-  Scalar rounding(const Measure& island, Count j) const {
-    if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
-    return square_root(whitening_.squared_norm(j)) * island.off +
-           roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
-  }
+  Scalar rounding(const Measure& island, Count j) const;
 
-  /// slack = w from x = change_ as it is, terms_ = the magnitudes of what x adds to it.
-  void move_contacts(const Answer& answer) {
+  /// r by islands, of x = change_, u - v.
+  [[gnu::noinline]] void measure_residual(const Answer& answer);
+
+  /// slack = w from x as it is, terms_ = the magnitudes of what x adds to it.
+  void move_contacts(const Answer& answer, const Scalar* x) {
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
       auto sum = L::load(answer.given + j), terms = L::broadcast(0);
       for (Count i = 0; i < whitening_.ngc(); ++i) {
-        const auto part = L::load(whitening_.normals(i) + j) * L::broadcast(change_[i]);
+        const auto part = L::load(whitening_.normals(i) + j) * L::broadcast(x[i]);
         sum += part;
         terms += L::max(part, -part);
       }
@@ -454,12 +467,18 @@ class VelocityTest {
   bool by_residual_ = false;  // the rounding is told by contact, from the residual
   Buffer<Scalar> change_;     // C^-T N z, then u - v; without C S'N z
   Buffer<Scalar> residual_;   // C^-T r, r the residual of u - v
+  Buffer<Scalar> moved_;      // u - v of the velocity that is returned
   Buffer<Scalar> terms_;      // by contact
   Count islands_ = 1;
   bool is_whole_ = true;                      // one island has all contacts that may have a w
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;
   Buffer<Measure> measures_;  // by island
+  bool is_far_from_underflow_ = false;
+  bool is_off_known_ = false;
+  Scalar off_ = 0;  // of passes_by_residual(): how far the velocity may be off, in the metric of G
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL
+
+#include "native/active_set/velocity_test_rounding.h"

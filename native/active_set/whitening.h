@@ -2,6 +2,7 @@
 
 #include "native/active_set/active_set_engine.h"
 #include "native/active_set/arithmetic.h"
+#include "native/active_set/inverse_trace.h"
 #include "native/active_set/semidefinite_root.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
@@ -37,6 +38,7 @@ class Whitening {
     resize_all(contacts + 1, squared_norm_, weight_);
     columns_.resize(velocities * velocities + 1);
     resize_all(velocities + 1, inverse_diagonal_, root_diagonal_, inverse_bound_, pivots_, solution_);
+    inverse_trace_.reserve(ngc);
     if (factors >= 0) root_.reserve(ngc, factors);
   }
 
@@ -109,22 +111,14 @@ class Whitening {
   /// @pre triangular()
   Scalar lost() const { return lost_; }
 
-  /// Sharpens condition() and lost() by the trace of the inverse, which is never less than its norm. Done once for each
-  /// problem, O(ngc^3). @param x  memory for velocity_lanes() entries @pre triangular()
-  [[gnu::noinline]] void sharpen_condition(Scalar* x) {
+  /// Sharpens condition() and lost(), once for each problem. @pre triangular()
+  ///
+  /// The trace of the inverse is never less than its norm. Cost: see InverseTrace.
+  [[gnu::noinline]] void sharpen_condition() {
     if (condition_is_sharp_) return;
     condition_is_sharp_ = true;
-    Scalar trace = 0;
-    for (Count i = 0; i < ngc_; ++i) {
-      set_zero(x, velocity_lanes_);
-      x[i] = root_diagonal_[i];
-      for (Count k = i; k < ngc_; ++k) {  // solve_transposed(), without the zeros at the beginning
-        const Scalar value = x[k] * inverse_diagonal_[k];
-        const Count first = k / L::kWidth * L::kWidth;
-        add_multiple(x + first, -value, rows_.data() + k * stride_ + first, velocity_lanes_ - first);
-        trace += value * value;
-      }
-    }
+    const Scalar trace =
+        inverse_trace_.of(rows_.data(), stride_, inverse_diagonal_.data(), root_diagonal_.data(), ngc_);
     const Scalar bound = static_cast<Scalar>(kConditionRoom) * trace;
     const Scalar share = static_cast<Scalar>(static_cast<double>(ngc_)) * backward_error() * bound;
     if (bound < condition_) condition_ = bound;
@@ -147,6 +141,12 @@ class Whitening {
 
   /// x := C^-1 x. @pre triangular()
   void solve(Scalar* x) {
+    if constexpr (L::kWidth > 1) {
+      if (velocity_lanes_ == L::kWidth) return solve_in_registers<1>(x);
+      if (velocity_lanes_ == 2 * L::kWidth) return solve_in_registers<2>(x);
+      if (velocity_lanes_ == 3 * L::kWidth) return solve_in_registers<3>(x);
+      if (velocity_lanes_ == 4 * L::kWidth) return solve_in_registers<4>(x);
+    }
     for (Count i = ngc_ - 1; i >= 0; --i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       add_multiple(x, -value, columns_.data() + i * velocity_lanes_, (i / L::kWidth + 1) * L::kWidth);
@@ -157,6 +157,12 @@ class Whitening {
 
   /// x := C^-T x. @pre triangular()
   [[gnu::always_inline]] inline void solve_transposed(Scalar* x) {
+    if constexpr (L::kWidth > 1) {
+      if (velocity_lanes_ == L::kWidth) return solve_transposed_in_registers<1>(x);
+      if (velocity_lanes_ == 2 * L::kWidth) return solve_transposed_in_registers<2>(x);
+      if (velocity_lanes_ == 3 * L::kWidth) return solve_transposed_in_registers<3>(x);
+      if (velocity_lanes_ == 4 * L::kWidth) return solve_transposed_in_registers<4>(x);
+    }
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       const Count first = i / L::kWidth * L::kWidth;
@@ -201,6 +207,52 @@ class Whitening {
   void take_solution(Scalar* x) {
     for (Count i = ngc_; i < velocity_lanes_; ++i) solution_[i] = 0;
     copy(x, solution_.data(), velocity_lanes_);
+  }
+
+  /// solve() and solve_transposed() bit for bit, where all of x is up to four registers: no entry waits for the memory.
+  template <int kPacks>
+  [[gnu::noinline]] void solve_in_registers(Scalar* x) {
+    typename L::Pack packs[static_cast<unsigned>(kPacks)];
+    for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
+    solve_up_from<kPacks* static_cast<int>(L::kWidth) - 1>(packs);
+    take_solution(x);
+  }
+
+  template <int kPacks>
+  [[gnu::noinline]] void solve_transposed_in_registers(Scalar* x) {
+    typename L::Pack packs[static_cast<unsigned>(kPacks)];
+    for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
+    solve_down_from<kPacks, 0>(packs);
+    take_solution(x);
+  }
+
+  template <int kAt>
+  [[gnu::always_inline]] inline void solve_up_from(typename L::Pack* packs) {
+    if constexpr (kAt >= 0) {
+      constexpr int kWidth = static_cast<int>(L::kWidth);
+      if (kAt < ngc_) {
+        const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
+        const Scalar* const column = columns_.data() + kAt * velocity_lanes_;
+        const auto factor = L::broadcast(-value);
+        for (int p = 0; p <= kAt / kWidth; ++p) packs[p] = packs[p] + factor * L::load(column + p * kWidth);
+        solution_[kAt] = value;
+      }
+      solve_up_from<kAt - 1>(packs);
+    }
+  }
+
+  template <int kPacks, int kAt>
+  [[gnu::always_inline]] inline void solve_down_from(typename L::Pack* packs) {
+    constexpr int kWidth = static_cast<int>(L::kWidth);
+    if constexpr (kAt < kPacks * kWidth) {
+      if (kAt >= ngc_) return;
+      const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
+      const Scalar* const row = rows_.data() + kAt * stride_;
+      const auto factor = L::broadcast(-value);
+      for (int p = kAt / kWidth; p < kPacks; ++p) packs[p] = packs[p] + factor * L::load(row + p * kWidth);
+      solution_[kAt] = value;
+      solve_down_from<kPacks, kAt + 1>(packs);
+    }
   }
 
   Scalar* work_row(Count i) { return rows_.data() + i * stride_; }
@@ -359,14 +411,15 @@ class Whitening {
   Buffer<Scalar> inverse_bound_;     // what bound_condition() tells of
   Buffer<Scalar> pivots_;            // of the elimination
   Buffer<Scalar> solution_;
+  InverseTrace<Scalar> inverse_trace_;
   Buffer<Scalar> normals_;   // N by rows
   Buffer<Scalar> whitened_;  // W by columns, those that is_gathered_
   Buffer<bool> is_gathered_;
-  Buffer<bool> moves_;  // see moves(); of a root S
+  Buffer<bool> moves_;       // see moves(); of a root S
   const double* given_normals_ = nullptr;
   const double* given_inertia_ = nullptr;
   const double* compliance_ = nullptr;  // nullptr: zero
-  Buffer<Scalar> squared_norm_;         // |W_j|^2
+  Buffer<Scalar> squared_norm_;  // |W_j|^2
   Buffer<Scalar> squared_length_;
   Scalar largest_squared_norm_ = 0;
   Buffer<Scalar> weight_;

@@ -67,7 +67,6 @@ TEST(ActiveSetBoundsTest, HoldBeforeAndAfterTheyAreSharpened) {
   for (const Matrix& G : inertias()) {
     const Matrix N = Matrix::Ones(G.rows(), 1);
     Whitening whitening;
-    Vector memory(G.rows() + 4);
     ASSERT_TRUE(load(G, N, whitening));
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled_to_unit_diagonal(G), Eigen::EigenvaluesOnly);
     const double inverse_norm = 1 / eigen.eigenvalues()(0);
@@ -75,7 +74,7 @@ TEST(ActiveSetBoundsTest, HoldBeforeAndAfterTheyAreSharpened) {
     const double first = whitening.condition();
     const double first_lost = whitening.lost();
     EXPECT_GE(first, trace) << G;
-    whitening.sharpen_condition(memory.data());
+    whitening.sharpen_condition();
     EXPECT_GE(whitening.condition(), inverse_norm) << G;
     EXPECT_LE(whitening.condition(), 1.3 * trace) << G;
     EXPECT_LE(whitening.condition(), first);
@@ -92,10 +91,9 @@ TEST(ActiveSetBoundsTest, OfManyBodiesAreThoseOfOneTimesTheirNumber) {
     for (Index b = 0; b < bodies; ++b) G.block(6 * b, 6 * b, 6, 6) = body;
     const Matrix N = Matrix::Ones(G.rows(), 1);
     Whitening whitening;
-    Vector memory(G.rows() + 4);
     EXPECT_TRUE(load(G, N, whitening));
     const double first = whitening.condition();
-    whitening.sharpen_condition(memory.data());
+    whitening.sharpen_condition();
     return Vector{{first, whitening.condition()}};
   };
   EXPECT_LE((bounds(50) / 50 - bounds(1)).norm(), 1e-9 * bounds(1).norm());

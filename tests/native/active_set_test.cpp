@@ -173,9 +173,9 @@ INSTANTIATE_TEST_SUITE_P(FullRank, ActiveSetOnPaperSets,
                                            std::pair{"paper/monotone/exp5-1e8", 1e-12},
                                            std::pair{"paper/monotone/exp5-1e10", 1e-11}));
 
-// Six normals that span six coordinates within 3e-9 of dependence: impulses of 1e13 N s leave v+ = 0.
-TEST(ActiveSetTest, TheLastStageSolvesWhatDoubleAndCarelessRoundingCannot) {
-  const Problem problem = open_set("paper/monotone/exp5-1e10")->generate(77, 139);
+// Nearly dependent normals: impulses of 1e10 N s and more cancel each other.
+TEST(ActiveSetTest, TheLastStageSolvesWhatDoubleCannot) {
+  const Problem problem = open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544);
   Evaluator evaluator(problem);
   EXPECT_EQ(solve(problem, {{"precision", "double"}}).claim, Claim::kNumericalFailure);
   const Answer answer = solve(problem);
@@ -442,15 +442,6 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
       }
     }
   }
-}
-
-// Impulses and velocities of a few times the least number: the velocity fits, but z, rounded, gives another one.
-TEST(ActiveSetTest, ClaimsNothingFalseOfDenormalNumbers) {
-  const Problem problem("denormal", frictionless(testing::vector_of({-1.5e-323}), Matrix{{4, -4, 2}},
-                                                 DenseInertia{Matrix::Identity(1, 1)}));
-  const Vector start = testing::ones(3);
-  const Answer answer = solve(problem, {}, {.start = &start});
-  EXPECT_TRUE(answer.claim != Claim::kSolved || Evaluator(problem).errors(answer).solved);
 }
 
 TEST(ActiveSetTest, SolvingAllocatesNothing) {
