@@ -5,6 +5,7 @@
 #include "native/contact_lemke/friction_state.h"
 #include "native/contact_lemke/kernel.h"
 #include "native/contact_lemke/ratio_test.h"
+#include "native/contact_lemke/rounded_shares.h"
 #include "native/contact_lemke/visited_bases.h"
 #include "native/kernels/response.h"
 
@@ -28,6 +29,7 @@ class Path {
     contacts_.reserve(input);
     response_.reserve(input);
     kernel_.reserve(contacts_, most_rows());
+    if constexpr (kRoundsShares) shares_.reserve(coordinates());
     friction_.reserve(contacts_.nc() + 1);
     ratio_test_.reserve();
     Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
@@ -47,6 +49,7 @@ class Path {
     fill_with_zeros(contacts_.extent(), u_, du_, entering_response_, column_, row_);
     simplex_[contacts_.nc()] = {};
     has_basis_ = false;
+    if constexpr (kRoundsShares) shares_.load(coordinates());
   }
 
   void set_velocity(const double* v) { contacts_.set_velocity(v); }
@@ -427,8 +430,11 @@ class Path {
 
   // --- ends: path_ends.h ---
 
+  static constexpr bool kRoundsShares = sizeof(Scalar) > sizeof(double);
+
   Ending finish(double* z);
-  void write_impulses(double* z) const;
+  bool round_impulses(Scalar* rounded);
+  void write_impulses(const Scalar* impulses, double* z) const;
   void write_friction(Label label, Scalar value, double* z) const {
     if (label.direction == contacts_.edges(label.contact)) return;
     z[contacts_.nc() + contacts_.first_direction(label.contact) + label.direction] = static_cast<double>(value);
@@ -439,6 +445,7 @@ class Path {
   Contacts<Scalar> contacts_;
   Response<Scalar> response_;
   Kernel<Scalar> kernel_;
+  RoundedShares<Scalar> shares_;
   Entering entering_;       ///< the variable that enters next
   Count artificial_ = -1;   ///< column of z0
   bool has_basis_ = false;  ///< that of a solve, at basis_velocity_

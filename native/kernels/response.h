@@ -77,6 +77,8 @@ class Response {
   }
 
   bool full_rank() const { return !given_ && rank_ == ngc_; }
+  /// Whether whiten() and what goes with it may be called.
+  bool has_factors() const { return !given_; }
 
   /// The sum of the diagonal of G*.
   Scalar inverse_trace() const { return inverse_trace_; }
@@ -132,7 +134,7 @@ class Response {
     combine_ranges(columns_.data(), padded_, rank_, white_.data(), c);
   }
 
-  /// W'a, with zeros up to the end of its last pack and nothing behind; |W'a|^2 = a'G* a. @pre G was given
+  /// W'a, with zeros up to the end of its last pack and nothing behind; |W'a|^2 = a'G* a. @pre has_factors()
   void whiten(const Scalar* a, Scalar* white) const {
     combine_ranges(rows_.data(), rank_padded_, ngc_, a, white);
   }

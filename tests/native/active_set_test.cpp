@@ -161,7 +161,7 @@ TEST_P(ActiveSetOnPaperSets, SolvesEveryProblemAndReturnsTheVelocityToItsFloor) 
       ASSERT_TRUE(exact_velocity(*problem.contact(), answer.z, exact)) << "trial " << trial;
       errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
     }
-    EXPECT_GE(errors.size(), 60U) << set->name();  // of condition 1e10 half are in doubt
+    EXPECT_GE(errors.size(), 100U) << set->name();
     EXPECT_LE(spread(errors).median, bound) << set->name();
   }
 }
@@ -173,9 +173,9 @@ INSTANTIATE_TEST_SUITE_P(FullRank, ActiveSetOnPaperSets,
                                            std::pair{"paper/monotone/exp5-1e8", 1e-12},
                                            std::pair{"paper/monotone/exp5-1e10", 1e-11}));
 
-// Nearly dependent normals: impulses of 1e10 N s and more cancel each other.
-TEST(ActiveSetTest, TheLastStageSolvesWhatDoubleCannot) {
-  const Problem problem = open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544);
+// Six normals that span six coordinates within 3e-9 of dependence: impulses of 1e13 N s leave v+ = 0.
+TEST(ActiveSetTest, TheLastStageSolvesWhatDoubleAndCarelessRoundingCannot) {
+  const Problem problem = open_set("paper/monotone/exp5-1e10")->generate(77, 139);
   Evaluator evaluator(problem);
   EXPECT_EQ(solve(problem, {{"precision", "double"}}).claim, Claim::kNumericalFailure);
   const Answer answer = solve(problem);

@@ -233,7 +233,7 @@ TEST(ContactLemkeTest, ClimbsOnUntilItsBoundIsMet) {
 }
 
 /// With singular inertia some stages solve these trials, but not within the residual of 1e-9 that may be claimed. The
-/// bounds are twice the residuals of the best stage; the first stage leaves 2.9e-8 on the last.
+/// bounds are twice the residuals of the best stage; the first stage leaves 8.4e-9 and 2.9e-8 on the last two.
 TEST(ContactLemkeTest, TheBestOfAllStagesIsReturnedWhereItMayNotBeClaimed) {
   const auto expect_best = [](const char* set, std::int64_t trial, double residual) {
     const Problem problem = open_set(set)->generate(1, trial);
@@ -241,9 +241,9 @@ TEST(ContactLemkeTest, TheBestOfAllStagesIsReturnedWhereItMayNotBeClaimed) {
     EXPECT_EQ(answer.claim, Claim::kNumericalFailure) << trial;
     EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, residual) << trial;
   };
-  expect_best("paper/monotone/exp4{redundancy=combination}", 973, 4e-6);
-  expect_best("paper/monotone/exp4{redundancy=combination}", 1796, 6e-9);
-  expect_best("paper/monotone/exp4", 9307, 1.9e-8);
+  expect_best("paper/monotone/exp4{redundancy=combination}", 973, 1e-6);
+  expect_best("paper/monotone/exp4{redundancy=combination}", 1796, 2.2e-9);
+  expect_best("paper/monotone/exp4", 9307, 5e-9);
 }
 
 }  // namespace

@@ -354,6 +354,14 @@ TEST(ContactLemkeTest, ClaimsNothingUntrueOnReducedRank) {
   EXPECT_GE(unsolvable, 5);
 }
 
+// The factors' range is what the smallest pivots of a rounded G = X A X' would lose: here four digits were left of it.
+TEST(ContactLemkeTest, KnowsTheRangeOfAnInertiaFromItsFactors) {
+  const Problem problem = open_set("paper/monotone/exp4")->generate(1, 11036);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, 1e-6);
+}
+
 TEST(ContactLemkeTest, TakesDependentFactorsAndThoseOfNoWeight) {
   ContactProblem contact;
   contact.v = testing::vector_of({1, -1, 0});
@@ -370,6 +378,27 @@ TEST(ContactLemkeTest, TakesDependentFactorsAndThoseOfNoWeight) {
     ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
     EXPECT_NEAR(answer.z(0), 4 * alpha(0) + 16 * alpha(1), 1e-12);  // G_22 times the approach of 1 m/s
   }
+}
+
+// Masses from 6e-10 to 6e5: impulses that are each rounded for itself do not pass the test of the answer.
+TEST(ContactLemkeTest, RoundsImpulsesSoThatTheOthersMakeUpForIt) {
+  ContactProblem contact;
+  contact.v = testing::vector_of({0.8953988049357573, -0.92976188101738755, -0.15852534892729597, -0.8022851304373112});
+  Matrix N(3, 4);
+  N << -0.010453581242417576, 0.75132911862768403, -0.99820166362507001, -0.79380258023109662,  //
+      0.35022653242432944, 0.96056514444125618, 0.62560871763316372, 0.80638174960455111,       //
+      -0.43842584502671456, 0.68214078290860614, 0.056496385334256383, -0.19504328859792963;
+  contact.N = Matrix(N.transpose());
+  contact.D = Matrix(4, 0);
+  contact.edges = {0, 0, 0};
+  contact.mu = Vector::Zero(3);
+  const Vector masses =
+      testing::vector_of({6.3918759244041365e-10, 584595.46672820835, 22373.465247762011, 272.95791206900918});
+  contact.inertia = DenseInertia{masses.asDiagonal().toDenseMatrix()};
+  const Problem problem("masses", contact);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved);
 }
 
 // --- the life of a solver ---

@@ -7,7 +7,7 @@ foreach(test conformance active_set auto auto_rest auto_scenes bare_claims claim
   lcpbench_test(${test})
 endforeach()
 # An engine's templates, each at a level of its own.
-foreach(test active_set_bounds response)
+foreach(test active_set_bounds response rounded_shares)
   lcpbench_test(${test})
   set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/${test}_test.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
