@@ -180,7 +180,11 @@ double Rest::speed_left() {
   for (Index i = 0; i < y_.size(); ++i) y_(i) = y_(i) == 0 ? 0 : y_(i) / mass_(i);
   double fastest = 0;
   const auto add = [&](const Jacobian& J) {
-    for (Index c = 0; c < cols(J); ++c) fastest = max_or_infinity(fastest, std::abs(dot_column(J, c, y_)));
+    for (Index c = 0; c < cols(J); ++c) {
+      double speed = 0;
+      for_each_entry(J, c, [&](Index row, double entry) { speed += entry * y_(row); });
+      fastest = max_or_infinity(fastest, std::abs(speed));
+    }
   };
   add(contact_->N);
   add(contact_->D);
@@ -400,7 +404,7 @@ void Rest::bring_into_cones(Vector& z) const {
   for (Index c = 0; c < contact_->nc(); ++c) {
     auto friction = z.segment(direction, contact_->edges[static_cast<std::size_t>(c)]);
     z(c) = touches(c) ? std::max(z(c), 0.0) : 0;
-    friction = friction.cwiseMax(0.0).eval();
+    friction = friction.cwiseMax(0.0);
     const double sum = friction.sum(), most = contact_->mu(c) * z(c);
     if (sum > most) friction *= most / sum;
     direction += friction.size();
