@@ -12,12 +12,10 @@
 #include <signal.h>
 
 #include "adapters/capture/engine.h"
-#include "adapters/external/external_json.h"
+#include "adapters/external/asked_engine.h"
 #include "adapters/external/model_engine.h"
-#include "adapters/worker/asked_program.h"
 #include "core/error.h"
 #include "core/io/json_document.h"
-#include "core/timed_solve.h"
 
 namespace lcpbench::capture {
 namespace {
@@ -68,11 +66,10 @@ Json body_json(const Body& body) {
           {"parts", parts}};
 }
 
-class ExternalEngine final : public Engine {
+class ExternalEngine final : public AskedEngine {
  public:
   explicit ExternalEngine(const Scene& scene)
-      : Engine(scene, "", ""),
-        program_(external::command_words(scene.program), worker::AskedProgram::Channel::kStandard) {
+      : AskedEngine(scene, "scene") {
     Json bodies = Json::array();
     for (const Body& body : scene_.bodies) {
       bodies.push_back(body_json(body));
@@ -85,7 +82,7 @@ class ExternalEngine final : public Engine {
                                {"mu", scene_.mu},
                                {"restitution", scene_.restitution},
                                {"bodies", bodies}});
-      const JsonObject told(answer, origin_);
+      const JsonObject told(answer, origin());
       told.only({"engine", "version"});
       name_ = told.text("engine");
       version_ = told.text("version");
@@ -94,20 +91,8 @@ class ExternalEngine final : public Engine {
     }
   }
 
-  /// @throws std::runtime_error where the program fails: the steps until then are kept
-  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
-    try {
-      take(index, snapshot, loop);
-    } catch (const InputError& error) {
-      throw std::runtime_error(error.what());
-    } catch (const worker::NoAnswer& failure) {
-      throw std::runtime_error(origin_ + ": " + failure.what());
-    }
-  }
-
  private:
-  void take(long index, Snapshot& snapshot, const VelocitySolver& loop) {
-    snapshot = {};
+  void take(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     Json forces = Json::array();
     std::vector<Pose> poses;
     for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -115,9 +100,8 @@ class ExternalEngine final : public Engine {
       forces.push_back(add_body(i, index, snapshot));
     }
     snapshot.poses = part_poses(scene_, poses);
-    origin_ = "step " + std::to_string(index);
     const Json answer = ask({{"verb", "step"}, {"forces", forces}});
-    const JsonObject told(answer, origin_);
+    const JsonObject told(answer, origin());
     told.only({"contacts", "motions", "solve_s"});
     pushes_.assign(static_cast<std::size_t>(count_), Eigen::Vector3d::Zero());
     for (const JsonObject& contact : told.objects("contacts")) add_contact(contact, snapshot);
@@ -137,10 +121,7 @@ class ExternalEngine final : public Engine {
       motions_[i] = motion_of(rows[i]);
       snapshot.velocity_after.segment<6>(6 * moving_[i]) << motions_[i].linear, motions_[i].angular;
     }
-    if (told.given("solve_s")) {
-      snapshot.solve_s = told.number("solve_s");
-      if (*snapshot.solve_s < 0) told.fail("solve_s", ": is negative");
-    }
+    take_solve_time(told, snapshot);
     if (snapshot.has_impulses && !told_of_impulses_) compare_impulses(snapshot);
   }
 
@@ -159,7 +140,7 @@ class ExternalEngine final : public Engine {
     told_of_impulses_ = true;
     std::fprintf(stderr,
                  "%s: the impulses do not explain %.3g m/s of a body's velocity; compare their signs, and the forces\n",
-                 origin_.c_str(), unexplained);
+                 origin().c_str(), unexplained);
   }
 
   /// @returns the force and torque of this step
@@ -233,19 +214,9 @@ class ExternalEngine final : public Engine {
       rows.push_back(row_of(motion));
     }
     const Json answer = ask({{"verb", "place"}, {"motions", rows}});
-    JsonObject(answer, origin_).only({});
+    JsonObject(answer, origin()).only({});
   }
 
-  /// @throws worker::NoAnswer, and InputError for what is no such answer
-  Json ask(const Json& question) {
-    std::string line =
-        program_.ask(question.dump() + "\n", external::line_size, kLongestLine, wall_clock_s() + kLongestAnswer_s);
-    line.pop_back();
-    return parse_json_document(line, origin_, true);
-  }
-
-  worker::AskedProgram program_;
-  std::string origin_ = "scene";
   std::vector<Motion> motions_;  ///< as the step begins
   std::vector<int> moving_;      ///< of each body its index in a snapshot, or kWorld
   int count_ = 0;

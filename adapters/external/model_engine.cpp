@@ -4,12 +4,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "adapters/external/external_json.h"
-#include "adapters/worker/asked_program.h"
+#include "adapters/external/asked_engine.h"
 #include "core/error.h"
 #include "core/io/json_document.h"
 #include "core/io/problem_io.h"
-#include "core/timed_solve.h"
 
 namespace lcpbench::capture {
 namespace {
@@ -30,17 +28,16 @@ Rows rows_of(const ContactProblem& problem, Index contact, Index direction) {
   return rows;
 }
 
-class ModelEngine final : public Engine {
+class ModelEngine final : public AskedEngine {
  public:
   ModelEngine(const Scene& scene, const std::string& model)
-      : Engine(scene, "", ""),
-        program_(external::command_words(scene.program), worker::AskedProgram::Channel::kStandard) {
+      : AskedEngine(scene, "model") {
     try {
       const Json answer = ask({{"verb", "model"},
                                {"file", std::filesystem::absolute(model).string()},
                                {"soft", scene_.soft},
                                {"marks", scene_.marks}});
-      const JsonObject told(answer, origin_);
+      const JsonObject told(answer, origin());
       told.only({"engine", "version", "step_length", "gravity", "shapes", "free"});
       name_ = told.text("engine");
       version_ = told.text("version");
@@ -61,25 +58,12 @@ class ModelEngine final : public Engine {
   Eigen::Vector3d gravity() const override { return gravity_; }
   std::vector<Drawn> drawn() const override { return drawn_; }
 
-  /// @throws std::runtime_error where the program fails: the steps until then are kept
-  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
-    try {
-      take(index, snapshot, loop);
-    } catch (const InputError& error) {
-      throw std::runtime_error(error.what());
-    } catch (const worker::NoAnswer& failure) {
-      throw std::runtime_error(origin_ + ": " + failure.what());
-    }
-  }
-
  private:
-  void take(long index, Snapshot& snapshot, const VelocitySolver& loop) {
-    snapshot = {};
-    origin_ = "step " + std::to_string(index);
+  void take(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     const Json answer = ask({{"verb", "step"}, {"loop", static_cast<bool>(loop)}});
-    const JsonObject told(answer, origin_);
+    const JsonObject told(answer, origin());
     told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "velocity", "solve_s"});
-    const Problem problem = problem_of_json(told.value("problem"), origin_);
+    const Problem problem = problem_of_json(told.value("problem"), origin());
     if (problem.contact() == nullptr || problem.kind() != ProblemKind::kContact) {
       told.fail("problem", ": expected one of kind contact");
     }
@@ -97,7 +81,7 @@ class ModelEngine final : public Engine {
       if (place.size() != 3) told.fail("marks", ": expected 3 numbers each");
       snapshot.marks.emplace_back(place);
     }
-    if (told.given("solve_s")) snapshot.solve_s = told.number("solve_s");
+    take_solve_time(told, snapshot);
     if (!loop) {
       snapshot.velocity_after = told.vector("velocity", problem.contact()->ngc());
       return;
@@ -106,7 +90,7 @@ class ModelEngine final : public Engine {
     const Json placed = ask({{"verb", "place"},
                              {"velocity", numbers(velocity)},
                              {"moving", numbers(moving_velocity(velocity, snapshot, step_length_))}});
-    JsonObject(placed, origin_).only({});
+    JsonObject(placed, origin()).only({});
   }
 
   static void add_blocks(const ContactProblem& problem, const JsonObject& told, Snapshot& snapshot) {
@@ -153,16 +137,6 @@ class ModelEngine final : public Engine {
     }
   }
 
-  /// @throws worker::NoAnswer, and InputError for what is no such answer
-  Json ask(const Json& question) {
-    std::string line =
-        program_.ask(question.dump() + "\n", external::line_size, kLongestLine, wall_clock_s() + kLongestAnswer_s);
-    line.pop_back();
-    return parse_json_document(line, origin_, true);
-  }
-
-  worker::AskedProgram program_;
-  std::string origin_ = "model";
   double step_length_ = 0;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   std::vector<Drawn> drawn_;

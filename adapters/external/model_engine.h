@@ -1,15 +1,11 @@
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <string>
 
 #include "adapters/capture/engine.h"
 
 namespace lcpbench::capture {
-
-inline constexpr double kLongestAnswer_s = 60;
-inline constexpr std::size_t kLongestLine = std::size_t{1} << 28;  ///< bytes of an answer
 
 /// An engine that is a program of its own and steps a model file: it is told the file, and gives the contact problem of
 /// each step. docs/reference/external.md describes the lines.
