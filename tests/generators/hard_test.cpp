@@ -5,10 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <map>
-#include <set>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -57,31 +53,9 @@ Answer solve(const std::string& solver, const Problem& problem) {
   return answer;
 }
 
-/// The second part of the name.
-std::string family(const HardSet& set) {
-  const std::size_t begin = set.name.find('/') + 1;
-  return set.name.substr(begin, set.name.find('/', begin) - begin);
-}
-
 /// The verdict's measure.
 double error_of(const Problem& problem, const Errors& errors) {
   return problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
-}
-
-TEST(HardSetsTest, AreManyInManyFamiliesAndSayWhatTheyAre) {
-  std::set<std::string> families;
-  std::set<std::string> names;
-  for (const HardSet& set : hard_sets()) {
-    families.insert(family(set));
-    names.insert(set.name);
-    EXPECT_FALSE(set.size.empty() || set.summary.empty() || set.hard.empty() || set.source.empty()) << set.name;
-  }
-  EXPECT_GE(names.size(), 60U);
-  EXPECT_EQ(names.size(), hard_sets().size());
-  const std::set<std::string> expected{"edge", "cycling", "degenerate",      "exponential", "ray",     "class",
-                                       "game", "family",  "ill-conditioned", "scaling",     "contact", "pde"};
-  EXPECT_EQ(families, expected);
-  EXPECT_GE(instances().size(), 300U);
 }
 
 TEST(HardTruthTest, ExactAnswersLeaveNothing) {
@@ -156,41 +130,6 @@ TEST(HardTruthTest, ExactEnumerationOfSmallLcpsAgrees) {
     ++checked;
   }
   EXPECT_GE(checked, 60U);
-}
-
-// ---- formulas against a second way to the same numbers ----
-
-TEST(HardFormulaTest, TheRingIsTheCirculantOfItsAngle) {
-  for (const int doublings : {0, 2, 4}) {
-    const Matrix M = problem_of("hard/contact/ring{doublings=" + std::to_string(doublings) + "}").lcp().M;
-    const Index k = M.rows();
-    const double angle = 2 * std::acos(-1.0) / static_cast<double>(k);
-    for (Index i = 0; i < k; ++i) {
-      EXPECT_NEAR(M(i, i), 2, 1e-11);
-      EXPECT_NEAR(M(i, (i + 1) % k), -std::cos(angle), 1e-11);
-    }
-    EXPECT_TRUE(k == 3 || M(0, 2) == 0);
-  }
-}
-
-TEST(HardFormulaTest, HilbertAndPascalAreWhatTheyAreCalled) {
-  const Matrix H = problem_of("hard/ill-conditioned/hilbert{n=8}").lcp().M;
-  EXPECT_EQ(H(0, 0), 360360);  // lcm(1..15)
-  EXPECT_EQ(H(3, 4), 360360.0 / 8);
-  const Matrix P = problem_of("hard/ill-conditioned/pascal{n=12}").lcp().M;
-  EXPECT_EQ(P(4, 6), 210);  // 10 choose 4
-  EXPECT_NEAR(P.partialPivLu().determinant(), 1, 1e-3);
-}
-
-TEST(HardFormulaTest, UnitsChangeNothingButUnits) {
-  const ContactProblem metres = *problem_of("hard/contact/units{mass=0,length=0}").contact();
-  const ContactProblem others = *problem_of("hard/contact/units{mass=3,length=7}").contact();
-  EXPECT_EQ(dense_inertia(others.inertia)(0, 0), 8 * dense_inertia(metres.inertia)(0, 0));
-  EXPECT_EQ(dense_inertia(others.inertia)(5, 5), 8 * 128 * 128 * dense_inertia(metres.inertia)(5, 5));
-  EXPECT_EQ(others.v(2), 128 * metres.v(2));
-  const std::vector<double> z = hard_case("hard/contact/units{mass=0,length=0}")->truth.z;
-  const std::vector<double> scaled = hard_case("hard/contact/units{mass=3,length=7}")->truth.z;
-  for (std::size_t i = 0; i < z.size(); ++i) EXPECT_EQ(scaled[i], 8 * 128 * z[i]);
 }
 
 TEST(HardFormulaTest, OneUlpDecidesBetweenStickingAndSliding) {

@@ -1,9 +1,7 @@
 #include "generators/made/made.h"
 
-#include <Eigen/Eigenvalues>
 #include <fstream>
 #include <map>
-#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -18,67 +16,6 @@ namespace {
 
 Problem generate(const MadeSet& set, const std::string& options, std::int64_t trial) {
   return open_set(set.name + "{" + options + "}")->generate(1, trial);
-}
-
-/// The first rows of the free bodies, and the rows of the robots' blocks apart.
-std::vector<Index> free_bodies(const BlockInertia& inertia) {
-  std::vector<Index> rows;
-  Index row = 0;
-  for (std::size_t k = 0; k < inertia.blocks.size(); ++k) {
-    const Matrix& block = inertia.blocks[k];
-    if (block.rows() == 3 && block.isDiagonal(0) && block(0, 0) == block(1, 1) && k + 1 < inertia.blocks.size()) {
-      rows.push_back(row);
-      row += block.rows() + inertia.blocks[++k].rows();
-    } else {
-      row += block.rows();
-    }
-  }
-  return rows;
-}
-
-TEST(MadeTest, InertiaIsPositiveDefiniteAndNoWorseConditionedThanItsBound) {
-  for (const MadeSet& set : made_sets()) {
-    for (std::int64_t trial = 0; trial < 20; ++trial) {
-      const Problem problem = generate(set, "nc_max=100", trial);
-      for (const Matrix& block : std::get<BlockInertia>(problem.contact()->inertia).blocks) {
-        EXPECT_EQ(block, block.transpose());
-        const Vector values = Eigen::SelfAdjointEigenSolver<Matrix>(block).eigenvalues();
-        EXPECT_GT(values(0), 0) << problem.name();
-        EXPECT_LE(values(values.size() - 1), 1.001e6 * values(0)) << problem.name();
-      }
-    }
-  }
-}
-
-TEST(MadeTest, DirectionsAreOrthonormalAndComeInPairs) {
-  for (const MadeSet& set : made_sets()) {
-    int seen = 0;
-    for (std::int64_t trial = 0; trial < 10; ++trial) {
-      const Problem problem = generate(set, "nc_max=60", trial);
-      const ContactProblem& contact = *problem.contact();
-      const std::vector<Index> bodies = free_bodies(std::get<BlockInertia>(contact.inertia));
-      const Matrix N = to_dense(contact.N);
-      const Matrix D = to_dense(contact.D);
-      Index column = 0;
-      for (Index i = 0; i < contact.nc(); ++i) {
-        const int edges = contact.edges[static_cast<std::size_t>(i)];
-        EXPECT_EQ(D.middleCols(column, edges / 2), -D.middleCols(column + edges / 2, edges / 2)) << problem.name();
-        for (const Index row : bodies) {
-          const Eigen::Vector3d normal = N.block<3, 1>(row, i);
-          if (normal.isZero(0)) continue;
-          ++seen;
-          EXPECT_NEAR(normal.norm(), 1, 1e-14) << problem.name();
-          for (Index t = 0; t < edges; ++t) {
-            const Eigen::Vector3d direction = D.block<3, 1>(row, column + t);
-            EXPECT_NEAR(direction.norm(), 1, 1e-14) << problem.name();
-            EXPECT_NEAR(direction.dot(normal), 0, 1e-14) << problem.name();
-          }
-        }
-        column += edges;
-      }
-    }
-    EXPECT_TRUE(seen > 0 || set.name == "made/robot" || set.name == "made/ragdolls") << set.name;
-  }
 }
 
 TEST(MadeTest, TheNumberOfContactsIsNearItsAim) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -26,47 +24,6 @@ Opened opened(const RestSet& set, const std::string& options) {
 
 ContactProblem problem_of(const RestSet& set, const std::string& options, std::int64_t trial) {
   return *open_set(set.name + "{" + options + "}")->generate(kSeed, trial).contact();
-}
-
-TEST(RestTest, TrialsCoverTheirRanges) {
-  for (const RestSet& set : rest_sets()) {
-    double lightest = 1, heaviest = 1, largest_ratio = 1, least_mu = 1, largest_mu = 1;
-    std::size_t fewest = 100, most = 100;
-    std::set<int> edges;
-    std::set<bool> has_open, is_dense;
-    for (std::uint64_t trial = 0; trial < 200; ++trial) {
-      const MadeSample sample = opened(set, "").draw(trial, kSeed);
-      std::vector<double> masses;
-      for (std::size_t k = 0; k < sample.blocks.size(); ++k) {
-        const auto& block = sample.blocks[k];
-        masses.push_back(block(0, 0));
-        if (block.rows == 3) ++k;  // the moments of inertia of the same body
-      }
-      const auto [least, greatest] = std::minmax_element(masses.begin(), masses.end());
-      lightest = std::min(lightest, *least);
-      heaviest = std::max(heaviest, *greatest);
-      largest_ratio = std::max(largest_ratio, *greatest / *least);
-      least_mu = std::min(least_mu, *std::min_element(sample.mu.begin(), sample.mu.end()));
-      largest_mu = std::max(largest_mu, *std::max_element(sample.mu.begin(), sample.mu.end()));
-      fewest = std::min(fewest, sample.mu.size());
-      most = std::max(most, sample.mu.size());
-      edges.insert(sample.edges.begin(), sample.edges.end());
-      has_open.insert(*std::max_element(sample.b.begin(), sample.b.end()) > 0);
-      is_dense.insert(sample.is_dense);
-    }
-    const std::set<bool> both{false, true};
-    EXPECT_TRUE(lightest >= 1e-3 && lightest < 2e-3) << set.name << " " << lightest;
-    EXPECT_TRUE(heaviest <= 1e3 && heaviest > 500) << set.name << " " << heaviest;
-    EXPECT_GT(largest_ratio, 1e4) << set.name;
-    EXPECT_TRUE(least_mu >= 0.1 && least_mu < 0.15) << set.name << " " << least_mu;
-    EXPECT_TRUE(largest_mu <= 2 + 1e-12 && largest_mu > 1.9) << set.name << " " << largest_mu;
-    EXPECT_TRUE(fewest >= 3 && fewest <= 6) << set.name << " " << fewest;
-    EXPECT_TRUE(most <= 200 && most >= 150) << set.name << " " << most;
-    EXPECT_EQ(edges, (std::set<int>{2, 4, 6, 8, 10, 12, 14, 16})) << set.name;
-    EXPECT_EQ(has_open, both) << set.name;
-    const bool presses = set.name != "rest/stack" && set.name != "rest/table";
-    EXPECT_EQ(is_dense, presses ? both : std::set<bool>{false}) << set.name;
-  }
 }
 
 TEST(RestTest, OptionsHold) {

@@ -10,10 +10,6 @@
 
 #include "core/error.h"
 #include "core/io/problem_io.h"
-#include "generators/hard/hard.h"
-#include "generators/made/made.h"
-#include "generators/rest/rest.h"
-#include "generators/scenes/scenes.h"
 
 namespace lcpbench::sets_test {
 namespace {
@@ -38,29 +34,6 @@ std::vector<std::string> names() {
 
 bool is_hard(const std::string& name) { return name.rfind("hard/", 0) == 0; }
 bool is_scene(const std::string& name) { return name.rfind("scene/", 0) == 0; }
-
-TEST(ListSetsTest, NamesEveryExperimentOnce) {
-  std::vector<std::string> expected;
-  for (const std::string kind : {"paper/monotone/", "paper/copositive/"}) {
-    for (const std::string name : {"exp1", "exp2", "exp3", "exp4", "exp5-1e5", "exp5-1e8", "exp5-1e10", "exp6-1e5",
-                                   "exp6-1e8", "exp6-1e10", "extra100"}) {
-      expected.push_back(kind + name);
-    }
-  }
-  for (const std::string kind : {"rigid/", "rigid/frictional/"}) {
-    for (const std::string name :
-         {"exp1", "exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10", "exp6-1e5", "exp6-1e8", "exp6-1e10"}) {
-      expected.push_back(kind + name);
-    }
-  }
-  for (const MadeSet& set : made_sets()) expected.push_back(set.name);
-  for (const RestSet& set : rest_sets()) expected.push_back(set.name);
-  expected.push_back("planted/definite");
-  for (const HardSet& set : hard_sets()) expected.push_back(set.name);
-  for (const CollectedScene& scene : collected_scenes()) expected.push_back(scene.name);
-  expected.push_back("changed");
-  EXPECT_EQ(names(), expected);
-}
 
 TEST(ListSetsTest, DescribesEverySet) {
   for (const SetInfo& set : list_sets()) {
@@ -146,28 +119,6 @@ TEST(GenerateTest, NamesTheProblemAndRefusesNegativeTrials) {
   EXPECT_EQ(set->generate(5, 12).name(), "paper/monotone/exp2{redundancy=combination} seed 5 trial 12");
   EXPECT_EQ(error_of([&] { set->generate(5, -1); }),
             "paper/monotone/exp2{redundancy=combination}: trial -1: expected 0 or more");
-}
-
-TEST(GenerateTest, KindsAndSizesAgreeWithTheSet) {
-  const Problem monotone = open_set("paper/monotone/exp1")->generate(1, 0);
-  EXPECT_EQ(monotone.kind(), ProblemKind::kContact);
-  EXPECT_FALSE(monotone.contact()->frictional());
-  EXPECT_EQ(monotone.size(), monotone.contact()->nc());
-
-  const Problem copositive = open_set("paper/copositive/exp1")->generate(1, 0);
-  const ContactProblem& contact = *copositive.contact();
-  EXPECT_TRUE(contact.frictional());
-  EXPECT_EQ(copositive.size(), contact.nc() * (contact.edges[0] + 2));
-
-  EXPECT_TRUE(std::holds_alternative<DenseInertia>(contact.inertia));
-  EXPECT_TRUE(
-      std::holds_alternative<FactoredInertia>(open_set("paper/monotone/exp3")->generate(1, 0).contact()->inertia));
-  EXPECT_TRUE(std::holds_alternative<InverseInertia>(
-      open_set("paper/monotone/exp3{matrix=literal}")->generate(1, 0).contact()->inertia));
-
-  const Problem rigid = open_set("rigid/exp1")->generate(1, 0);
-  EXPECT_EQ(rigid.kind(), ProblemKind::kScene);
-  EXPECT_EQ(rigid.contact()->nc(), static_cast<Index>(rigid.scene()->contacts.size()));
 }
 
 TEST(ExpandSetsTest, GlobsMatchOverSlashes) {

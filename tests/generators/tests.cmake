@@ -65,7 +65,7 @@ lcpbench_room(generators
   DEFINE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md"
     GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt"
     HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")
-foreach(test changed random spectrum paper_generator rigid_generator planted_generator made rest sets to_problem hard)
+foreach(test changed random paper_generator rigid_generator planted_generator made rest sets to_problem hard)
   lcpbench_test(${test})
 endforeach()
 
