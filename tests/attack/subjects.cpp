@@ -243,7 +243,6 @@ const char* to_string(Outcome outcome) {
     case Outcome::kOtherVerdict: return "other_verdict";
     case Outcome::kDiffersAgain: return "differs_again";
     case Outcome::kCrashed: return "crashed";
-    case Outcome::kHung: return "hung";
   }
   return "";
 }

@@ -34,11 +34,10 @@ enum class Outcome {
   kFalseRefusal,       ///< the reader of problem files refuses a valid problem, or reads another one
   kOtherVerdict,       ///< study/evaluation judges the same answer otherwise, or knows another truth
   kDiffersAgain,       ///< a fresh solver, to which this is the first problem, claims something else
-  kCrashed,            ///< died, or threw
-  kHung,               ///< did not come back within the hard limit
+  kCrashed,            ///< threw
 };
 
-inline constexpr std::size_t kOutcomes = 21;
+inline constexpr std::size_t kOutcomes = 20;
 const char* to_string(Outcome outcome);
 constexpr bool contradiction(Outcome outcome) { return outcome >= Outcome::kFalseSolved; }
 

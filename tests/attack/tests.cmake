@@ -2,7 +2,7 @@ find_package(Boost REQUIRED)  # headers only: integers of GMP
 
 # Seeded nasty problems, their exact truth found independently, and everything that claims to know it under test.
 add_library(lcpbench_attack STATIC
-  attack/campaign.cpp attack/contact_problems.cpp attack/contacts.cpp attack/doubtful_problems.cpp
+  attack/contact_problems.cpp attack/contacts.cpp attack/doubtful_problems.cpp
   attack/exact.cpp attack/judge.cpp attack/lcp_problems.cpp attack/problems.cpp attack/subjects.cpp attack/truth.cpp)
 target_link_libraries(lcpbench_attack
   PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers lcpbench_gmp)
@@ -14,8 +14,7 @@ lcpbench_test(attack)
 lcpbench_test(recorded)
 
 add_executable(attack attack/main.cpp)
-target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11 nlohmann_json::nlohmann_json)
-lcpbench_handles_text(attack)
+target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_io CLI11::CLI11 Threads::Threads)
 
 # The fast share. results/validate/README.md has the long runs.
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
