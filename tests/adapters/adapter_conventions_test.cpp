@@ -167,14 +167,6 @@ TEST(AdapterConventionsTest, SolversOfWorldsReturnTheStacksImpulses) {
   expect_solution("bullet_nncg{iterations=2000}", stack_of_two(), Vector{{7.0, 6.0}}, 1e-11);
 }
 
-// Contacts without friction have the same problem for a round cone as for a pyramid.
-TEST(AdapterConventionsTest, SolversOfConesSolveScenesWithoutFriction) {
-  for (const char* solver : {"siconos_fc3d", "siconos_fc3d{method=nsn_ac}", "simbody_pgs{tolerance=1e-10}"}) {
-    expect_solution(solver, stack_of_two(), Vector{{7.0, 6.0}}, 1e-8);
-    expect_solution(solver, falling_box(), run("lemke", falling_box()).answer.z, 1e-8);
-  }
-}
-
 TEST(AdapterConventionsTest, QuickStepSolvesTheSameProblemAsTheMatrixSolvers) {
   const std::string quickstep = "ode_quickstep{iterations=5000}";
   if (missing(quickstep)) return;
@@ -206,13 +198,6 @@ TEST(AdapterConventionsTest, OffsetsOfASceneReachTheLibraries) {
   expect_solution("dart_lemke", box, z, 1e-12);
   expect_solution("velocity_ipm_cholmod", box, z, 1e-12);
   expect_solution("bullet_dantzig", box, z, kIterative);
-}
-
-TEST(AdapterConventionsTest, CholmodBehindTheInteriorPointSolvesTheScene) {
-  for (const char* solver : {"velocity_ipm_cholmod{factor=simplicial}", "velocity_ipm_cholmod{factor=supernodal}"}) {
-    expect_solution(solver, stack_of_two(), Vector{{7.0, 6.0}}, 1e-12);
-    expect_solution(solver, falling_box(), run("lemke", falling_box()).answer.z, 1e-12);
-  }
 }
 
 TEST(AdapterConventionsTest, RepeatedSolvesStartFromTheSameState) {

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -34,16 +33,12 @@ void say(const std::string& message) {
   if (write(worker::AskedProgram::kSocketFd, message.data(), message.size()) < 0) std::abort();
 }
 
-constexpr std::size_t kVersionWord = 1;
-constexpr std::size_t kSequenceWord = 2;
-constexpr std::size_t kPayloadWord = 3;
-constexpr std::size_t kClaimWord = 4;
-constexpr std::size_t kLengthOfZWord = 16;
-
-/// A response that would be valid if its number were the request's, with one word of it replaced.
-[[noreturn]] void answer_with_word(std::size_t word, std::uint64_t value) {
+/// The head of a response, which tells of a payload that nothing has room for.
+[[noreturn]] void say_huge_payload() {
+  constexpr std::size_t kPayloadWord = 3;
+  constexpr std::uint64_t kHuge = ~std::uint64_t{0};
   std::string message = worker::write_response({});
-  std::memcpy(message.data() + word * sizeof value, &value, sizeof value);
+  std::memcpy(message.data() + kPayloadWord * sizeof kHuge, &kHuge, sizeof kHuge);
   say(message);
   sleep_for_ever();
 }
@@ -51,13 +46,6 @@ constexpr std::size_t kLengthOfZWord = 16;
 [[noreturn]] void say_garbage() {
   say(std::string(4096, '\xa5'));
   sleep_for_ever();
-}
-
-void say_more_at_a_signal() {
-  signal(SIGUSR1, [](int) {
-    say("more");
-    raise(SIGSTOP);
-  });
 }
 
 [[noreturn]] void write_to_protected_memory() {
@@ -121,63 +109,35 @@ class Fault final : public Solver {
     const auto found = behaviours().find(problem().name());
     if (found == behaviours().end()) throw std::logic_error("no behaviour named " + problem().name());
     found->second(answer);
-    last_z() = answer.z;
   }
 
  private:
-  static Vector& last_z() {
-    static Vector z;
-    return z;
-  }
-
   static const std::map<std::string, std::function<void(Answer&)>>& behaviours() {
     using A = Answer;
     static const std::map<std::string, std::function<void(A&)>> map{
         {"right", [](A&) {}},
-        {"zeros", [](A& a) { a.z.setZero(); }},
-        {"nan", [](A& a) { a.z.setConstant(std::numeric_limits<double>::quiet_NaN()); }},
-        {"last answer", [](A& a) { a.z = last_z(); }},
         {"segfault", [](A&) { write_to_protected_memory(); }},
         {"abort",
          [](A&) {
            std::fputs("assertion 'x > 0'\n failed\n", stderr);
            std::abort();
          }},
-        {"loop for ever",
-         [](A&) {
-           for (volatile bool on = true; on;) continue;
-         }},
         {"sleep for ever", [](A&) { sleep_for_ever(); }},
         {"exit(0)", [](A&) { std::exit(0); }},
-        {"_exit(0)", [](A&) { _exit(0); }},
         {"fill memory", [](A&) { fill_memory(); }},
         {"fill memory noexcept", [](A&) { fill_memory_without_exceptions(); }},
         {"garbage", [](A&) { say_garbage(); }},
-        {"say more at a signal", [](A&) { say_more_at_a_signal(); }},
-        {"wrong magic", [](A&) { answer_with_word(0, 0); }},
-        {"wrong version", [](A&) { answer_with_word(kVersionWord, worker::kVersion + 1); }},
-        {"wrong sequence", [](A&) { answer_with_word(kSequenceWord, 0); }},
-        {"huge payload", [](A&) { answer_with_word(kPayloadWord, ~std::uint64_t{0}); }},
-        {"no such claim", [](A&) { answer_with_word(kClaimWord, 7); }},
-        {"huge z", [](A&) { answer_with_word(kLengthOfZWord, std::uint64_t{1} << 61); }},
+        {"huge payload", [](A&) { say_huge_payload(); }},
         {"close the socket",
          [](A&) {
            close(worker::AskedProgram::kSocketFd);
            sleep_for_ever();
          }},
-        {"write to the socket", [](A&) { say("junk"); }},
         {"stop", [](A&) { raise(SIGSTOP); }},
-        {"stop, then throw",
-         [](A&) {
-           raise(SIGSTOP);
-           throw std::runtime_error("boom");
-         }},
         {"print", [](A&) { print_megabytes(); }},
         {"fork and exit", [](A&) { fork_a_child_and_exit(); }},
         {"throw", [](A&) { throw std::runtime_error("boom"); }},
-        {"throw int", [](A&) { throw 7; }},
         {"too many entries", [](A& a) { a.z = Vector::Zero(100000); }},
-        {"velocity of an LCP", [](A& a) { a.velocity = Vector::Zero(1); }},
         {"pid", [](A& a) { a.z(0) = getpid(); }},
         {"make a file", [](A& a) { a.z(0) = can_make_a_file() ? 1 : 0; }},
         {"open descriptors", [](A& a) { a.z(0) = open_descriptors(); }},

@@ -7,9 +7,7 @@
 
 #include "core/registry.h"
 #include "generators/sets.h"
-#include "native/sor/ode_order.h"
 #include "study/run/open_solver.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/solving.h"
 
 namespace lcpbench::quickstep_sor_test {
@@ -122,29 +120,6 @@ TEST(QuickstepSorTest, ClaimsOnlyWhatTheEvaluationConfirms) {
   EXPECT_GT(claimed, 20);
 }
 
-TEST(QuickstepSorTest, ImpulsesStayInThePyramidOfAnyNumberOfEdges) {
-  for (const char* name : {"rigid/frictional/exp1", "rigid/frictional/exp1{edges=16}", "paper/copositive/exp2"}) {
-    const auto set = open_set(name);
-    int sliding = 0;
-    for (std::int64_t trial = 0; trial < 10; ++trial) {
-      const Problem problem = set->generate(kSeed, trial);
-      const ContactProblem& contact = *problem.contact();
-      const ContactLayout layout = contact_layout(contact);
-      const Answer answer = solve("quickstep_sor{iterations=5000,w=1}", problem);
-      if (answer.claim != Claim::kSolved) continue;
-      for (Index c = 0; c < layout.nc; ++c) {
-        const auto at = static_cast<std::size_t>(c);
-        const double used =
-            answer.z.segment(layout.friction_offset() + layout.friction_begin[at], contact.edges[at]).sum();
-        const double allowed = contact.mu(c) * answer.z(c);
-        EXPECT_LE(used, allowed + 1e-6 * (1 + allowed)) << problem.name();
-        if (allowed > 1e-3 && used > (1 - 1e-6) * allowed) ++sliding;
-      }
-    }
-    EXPECT_GT(sliding, 0) << name;
-  }
-}
-
 TEST(QuickstepSorTest, TheSeedMattersFromTheFirstShuffleOn) {
   const Problem problem = open_set("rigid/frictional/exp1")->generate(kSeed, 1);
   const auto iterate = [&](int iterations, int seed) {
@@ -154,52 +129,6 @@ TEST(QuickstepSorTest, TheSeedMattersFromTheFirstShuffleOn) {
   };
   EXPECT_EQ(iterate(8, 0), iterate(8, 1));
   EXPECT_NE(iterate(9, 0), iterate(9, 1));
-}
-
-TEST(QuickstepSorTest, TheNextTimeStepNeedsNoNewMatrix) {
-  const Problem problem = open_set("rigid/frictional/exp1")->generate(kSeed, 1);
-  const auto solver = find_solver("quickstep_sor").definition.make({});
-  solver->load(problem);
-  Answer first;
-  solver->solve({}, first);
-  solver->update(-0.5 * problem.contact()->v);
-  Answer second;
-  solver->solve({}, second);
-  EXPECT_NE(first.z, second.z);
-  RigidScene next = *problem.scene();
-  for (RigidBody& body : next.bodies) {
-    body.linear_velocity *= -0.5;
-    body.angular_velocity *= -0.5;
-  }
-  EXPECT_EQ(second.z, solve("quickstep_sor", Problem("next", next)).z);
-}
-
-TEST(QuickstepSorTest, AllocatesNothingWithFriction) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* name : {"rigid/frictional/exp1", "paper/copositive/exp1"}) {
-    const Problem problem = open_set(name)->generate(kSeed, 3);
-    const auto solver = find_solver("quickstep_sor").definition.make({});
-    solver->load(problem);
-    Answer answer;
-    solver->solve({}, answer);
-    EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name;
-  }
-}
-
-// Bodies 0, 2 and 3 are one island, body 1 another, body 4 none. The walk begins at the last body that touches anything
-// and takes each body's contacts from the last to the first.
-TEST(OdeOrderTest, IslandsAreWalkedFromTheLastBodyAndContact) {
-  RigidScene scene;
-  scene.bodies.resize(5);
-  const auto touch = [&](int a, int b) { scene.contacts.push_back({.body_a = a, .body_b = b}); };
-  touch(0, 2);                     // 0
-  touch(1, RigidContact::kWorld);  // 1
-  touch(3, RigidContact::kWorld);  // 2
-  touch(2, 3);                     // 3
-  touch(0, RigidContact::kWorld);  // 4
-  touch(1, RigidContact::kWorld);  // 5
-  touch(3, 0);                     // 6
-  EXPECT_EQ(ode_islands(scene), (std::vector<std::vector<Index>>{{6, 3, 2, 0, 4}, {5, 1}}));
 }
 
 }  // namespace

@@ -27,9 +27,6 @@ lcpbench_room(adapters
     PATH_WORKER="$<TARGET_FILE:lcpbench-worker-path>" STAND_IN_4="$<TARGET_FILE:path_stand_in_4>"
     STAND_IN_5="$<TARGET_FILE:path_stand_in_5>")
 lcpbench_test(adapter_conventions)
-if(BULLET_FOUND)
-  lcpbench_test(bullet_direct APART LINK lcpbench_study PkgConfig::BULLET NEEDS lcpbench_workers)
-endif()
 lcpbench_test(adapter_friction)
 lcpbench_test(adapter_hostile)
 lcpbench_test(adapter_cone)

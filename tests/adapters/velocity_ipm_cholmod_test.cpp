@@ -70,15 +70,6 @@ TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnMonotoneProblems) 
   }
 }
 
-TEST_F(VelocityIpmCholmodTest, SparseScenesOf10000ContactsPassThroughTheWorker) {
-  const Problem wall("wall", testing::brick_wall(32, 40));
-  ASSERT_GE(wall.size(), 9900);
-  const Answer answer = solve("velocity_ipm_cholmod", wall);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_LE(answer.counters.iterations, kMostSteps);
-  EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-11);
-}
-
 TEST_F(VelocityIpmCholmodTest, RefusesWhatItCannotTakeAndRegularisesNothing) {
   ContactProblem contact;
   contact.v = testing::vector_of({-1, -2});

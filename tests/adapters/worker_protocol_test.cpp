@@ -117,38 +117,6 @@ TEST(WorkerProtocolTest, RequestsOfEveryKindArriveBitForBit) {
   }
 }
 
-TEST(WorkerProtocolTest, FieldsOfAContactProblemKeepTheirPlaces) {
-  const ContactProblem sent =
-      contact(sparse_numbered(6, 3), numbered(6, 6), FactoredInertia{numbered(6, 4), numbered(4, 1)});
-  const Request parsed = parse_request(write_request(request_for(Problem("c", sent))));
-  const ContactProblem& received = *parsed.problem.contact();
-  EXPECT_EQ(received.v, sent.v);
-  EXPECT_EQ(received.mu, sent.mu);
-  EXPECT_EQ(received.b, sent.b);
-  EXPECT_EQ(received.edges, sent.edges);
-  EXPECT_TRUE(std::holds_alternative<SparseMatrix>(received.N));
-  EXPECT_EQ(to_dense(received.N), to_dense(sent.N));
-  EXPECT_EQ(to_dense(received.D), to_dense(sent.D));
-  EXPECT_EQ(std::get<FactoredInertia>(received.inertia).X, numbered(6, 4));
-  EXPECT_EQ(std::get<FactoredInertia>(received.inertia).alpha, numbered(4, 1));
-}
-
-TEST(WorkerProtocolTest, FieldsOfASceneKeepTheirPlaces) {
-  const Request parsed = parse_request(write_request(request_for(Problem("s", scene()))));
-  const RigidScene& received = *parsed.problem.scene();
-  EXPECT_EQ(received.bodies[1].mass, 0.1);
-  EXPECT_EQ(received.bodies[1].angular_velocity, Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(received.contacts[0].body_a, 1);
-  EXPECT_EQ(received.contacts[0].body_b, 0);
-  EXPECT_EQ(received.contacts[0].point, Eigen::Vector3d(0.1, 0.2, 0.3));
-  EXPECT_EQ(received.contacts[0].mu, 0.7);
-  EXPECT_EQ(received.contacts[0].edges, 4);
-  EXPECT_EQ(received.contacts[0].b, -0.25);
-  EXPECT_EQ(received.contacts[1].b, 0);
-  EXPECT_EQ(received.contacts[1].edges, 0);
-  EXPECT_EQ(received.contacts[1].body_b, RigidContact::kWorld);
-}
-
 TEST(WorkerProtocolTest, RequestsCutShortAreRefused) {
   for (const Problem& problem : problems_of_every_kind()) {
     const std::string whole = write_request(request_for(problem));
