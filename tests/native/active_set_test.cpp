@@ -6,72 +6,35 @@
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
-#include "core/scene.h"
 #include "generators/sets.h"
 #include "native/active_set/least_energy.h"
-#include "study/evaluation/evaluation.h"
 #include "study/statistics/statistics.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/contacts.h"
+#include "tests/support/cube_stack.h"
 #include "tests/support/exact_velocity.h"
+#include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_active_set();
-}
 
 namespace lcpbench::active_set_test {
 namespace {
 
 using testing::exact_velocity;
+using testing::frictionless;
 using testing::velocity_error;
 
-std::unique_ptr<Solver> active_set(const Options& options = {}) { return lcpbench_solver_active_set().make(options); }
+std::unique_ptr<Solver> active_set(const Options& options = {}) { return make_solver({"active_set", options}); }
 
-Answer solve(Solver& solver, const SolveRequest& request = {}) {
-  Answer answer;
-  solver.solve(request, answer);
-  return answer;
-}
+Answer solve(Solver& solver, const SolveRequest& request = {}) { return testing::solve(solver, request); }
 
 Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
-  const auto solver = active_set(options);
-  solver->load(problem);
-  return solve(*solver, request);
-}
-
-ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
-  ContactProblem contact;
-  contact.v = std::move(v);
-  contact.D = Matrix(N.rows(), 0);
-  contact.edges.assign(static_cast<std::size_t>(N.cols()), 0);
-  contact.mu = Vector::Zero(N.cols());
-  contact.N = std::move(N);
-  contact.inertia = std::move(inertia);
-  return contact;
+  return testing::solve(Spec{"active_set", options}, problem, request);
 }
 
 /// Cubes of unit mass and edge on each other, four contacts at each face.
-RigidScene stack(int cubes, const Eigen::Vector3d& velocity) {
-  RigidScene scene;
-  for (int b = 0; b < cubes; ++b) {
-    RigidBody body;
-    body.inertia = Eigen::Matrix3d::Identity() / 6;
-    body.position = {0, 0, b + 0.5};
-    body.linear_velocity = velocity;
-    scene.bodies.push_back(body);
-    for (const double x : {-0.5, 0.5}) {
-      for (const double y : {-0.5, 0.5}) {
-        RigidContact contact;
-        contact.body_a = b;
-        contact.body_b = b == 0 ? RigidContact::kWorld : b - 1;
-        contact.point = {x, y, static_cast<double>(b)};
-        scene.contacts.push_back(contact);
-      }
-    }
-  }
-  return scene;
+ContactProblem stack(int cubes, double fall, double slide = 0) {
+  return *testing::cube_stack(cubes, 0, fall, slide).contact();
 }
 
 // --- what the answer is ---
@@ -85,15 +48,6 @@ TEST(ActiveSetTest, TheClosedFormOfABallOnTheGround) {
   EXPECT_DOUBLE_EQ(answer.velocity(0), 3);
   EXPECT_NEAR(answer.velocity(1), 0, 1e-15);
   EXPECT_EQ(answer.counters.pivots, 1);
-}
-
-TEST(ActiveSetTest, WhatPartsByItselfIsLeftAlone) {
-  const Vector v = testing::vector_of({0.1, 0.7});
-  const Answer answer =
-      solve(Problem("parting", frictionless(v, Matrix::Identity(2, 2), DenseInertia{3 * Matrix::Identity(2, 2)})));
-  EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_EQ(answer.z, Vector::Zero(2));
-  EXPECT_EQ(answer.velocity, v);
 }
 
 /// Symmetric and diagonally dominant: few entries off the diagonal, none in the last columns of most rows.
@@ -123,17 +77,6 @@ TEST(ActiveSetTest, TheZerosOfASparseInertiaChangeNothing) {
       EXPECT_LE((answer.velocity - inverse.velocity).lpNorm<Eigen::Infinity>(), 1e-13) << order << ", trial " << trial;
     }
   }
-}
-
-TEST(ActiveSetTest, CopiesOfAContactChangeNothing) {
-  Matrix N(2, 6);
-  N << 0, 0, 0, 0, 1, 1, 1, 3, 1, 0.25, 1, 1;  // four times the ground, twice an edge
-  const Vector v = testing::vector_of({-0.5, -2});
-  const Answer answer = solve(Problem("copies", frictionless(v, N, DenseInertia{Matrix::Identity(2, 2)})));
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_NEAR(answer.velocity(0), 0, 1e-15);
-  EXPECT_NEAR(answer.velocity(1), 0, 1e-15);
-  EXPECT_LE((N * answer.z + v).norm(), 1e-14);
 }
 
 class ActiveSetOnPaperSets : public ::testing::TestWithParam<std::pair<const char*, double>> {};
@@ -195,29 +138,6 @@ TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
     EXPECT_EQ(answer.detail, "") << name << ", trial " << trial;  // more bits were asked to test it at most
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
   }
-}
-
-TEST(ActiveSetTest, ErrorsFallFromStageToStage) {
-  const auto set = open_set("paper/monotone/exp1");
-  std::vector<double> medians;
-  for (const char* precision : {"double", "quad"}) {
-    const auto solver = active_set({{"precision", precision}});
-    std::vector<double> errors;
-    for (int trial = 0; trial < 100; ++trial) {
-      const Problem problem = set->generate(3, trial);
-      solver->load(problem);
-      const Answer answer = solve(*solver);
-      if (answer.claim != Claim::kSolved) continue;
-      Evaluator evaluator(problem);
-      EXPECT_TRUE(evaluator.errors(answer).solved) << precision << ", trial " << trial;
-      QuadVector exact;
-      if (answer.velocity.size() == 0 || !exact_velocity(*problem.contact(), answer.z, exact)) continue;
-      errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
-    }
-    ASSERT_GE(errors.size(), 30U) << precision;
-    medians.push_back(spread(errors).median);
-  }
-  EXPECT_LE(medians[1], 2e-16);  // v* itself, rounded to double
 }
 
 // --- no solution ---
@@ -288,7 +208,7 @@ TEST(ActiveSetTest, DoesNotSolveWithAnIndefiniteInertia) {
 // --- the forms of the data ---
 
 TEST(ActiveSetTest, TakesBlocksAndSparseNormalsAsItTakesDenseOnes) {
-  const ContactProblem blocks = contact_problem(stack(3, {0.25, 0, -1}));
+  const ContactProblem blocks = stack(3, 1, 0.25);
   const Answer of_blocks = solve(Problem("blocks", blocks));
   const Answer of_dense =
       solve(Problem("dense", frictionless(blocks.v, to_dense(blocks.N), DenseInertia{dense_inertia(blocks.inertia)})));
@@ -316,15 +236,6 @@ TEST(ActiveSetTest, FactorsAndInverseOfAFullRankInertiaGiveTheSameVelocity) {
   EXPECT_LE((of_inverse.velocity - of_dense.velocity).norm(), 1e-10);
 }
 
-TEST(ActiveSetTest, RefusesMatricesAndFriction) {
-  EXPECT_EQ(solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)})).claim, Claim::kUnsupported);
-  ContactProblem rubbing = frictionless(testing::vector_of({1, -1}), Matrix(testing::vector_of({0, 1})),
-                                        DenseInertia{Matrix::Identity(2, 2)});
-  rubbing.D = Matrix(testing::matrix_of(2, {1, -1, 0, 0}));
-  rubbing.edges = {2};
-  EXPECT_EQ(solve(Problem("rubbing", rubbing)).claim, Claim::kUnsupported);
-}
-
 TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
   const auto set = open_set("paper/monotone/exp2");
   for (const IsaLevel level : {IsaLevel::kAvx2, IsaLevel::kAvx512}) {
@@ -349,26 +260,8 @@ TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
 
 // --- time steps ---
 
-TEST(ActiveSetTest, UpdateGivesBitForBitWhatLoadGives) {
-  const auto set = open_set("paper/monotone/exp1");
-  const Problem first = set->generate(1, 1);
-  testing::Uniform uniform(2);
-  const auto solver = active_set();
-  solver->load(first);
-  for (int step = 0; step < 20; ++step) {
-    ContactProblem next = *first.contact();
-    next.v = uniform.vector(next.ngc());
-    solver->update(next.v);
-    const Answer updated = solve(*solver);
-    const Answer loaded = solve(Problem("next", next));
-    ASSERT_EQ(updated.claim, loaded.claim);
-    ASSERT_EQ(updated.z, loaded.z);
-    ASSERT_EQ(updated.velocity, loaded.velocity);
-  }
-}
-
 TEST(ActiveSetTest, WarmStartAtLeastHalvesTheStepsOfARestingStack) {
-  const Problem resting("stack", contact_problem(stack(5, {0, 0, -0.01})));
+  const Problem resting("stack", stack(5, 0.01));
   const auto solver = active_set();
   solver->load(resting);
   testing::Uniform uniform(12);
@@ -393,31 +286,7 @@ TEST(ActiveSetTest, WarmStartAtLeastHalvesTheStepsOfARestingStack) {
   EXPECT_LE(2 * warm_steps, cold_steps);
 }
 
-TEST(ActiveSetTest, AMisleadingStartCostsStepsNotTheAnswer) {
-  const auto set = open_set("paper/monotone/exp2");
-  testing::Uniform uniform(5);
-  for (int trial = 0; trial < 100; ++trial) {
-    const Problem problem = set->generate(9, trial);
-    const Vector start = uniform.vector(problem.size());
-    const auto solver = active_set();
-    solver->load(problem);
-    const Answer misled = solve(*solver, {.start = &start});
-    const Answer cold = solve(*solver);
-    ASSERT_EQ(misled.claim, Claim::kSolved) << "trial " << trial;
-    ASSERT_LE((misled.velocity - cold.velocity).norm(), 1e-11 * problem.contact()->v.norm()) << "trial " << trial;
-  }
-}
-
-// --- limits ---
-
-TEST(ActiveSetTest, StopsAtItsLimits) {
-  const Problem problem("stack", contact_problem(stack(12, {0, 0, -1})));
-  const Answer steps = solve(problem, {{"max_iterations", "5"}});
-  EXPECT_EQ(steps.claim, Claim::kIterationLimit);
-  EXPECT_EQ(steps.counters.pivots, 5);
-  EXPECT_EQ(solve(problem, {}, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
-  EXPECT_EQ(solve(problem, {}, {.time_limit_s = 1e-9}).claim, Claim::kTimeLimit);
-}
+// --- claims and memory ---
 
 TEST(ActiveSetTest, ClaimsNothingThatItsOwnTestDoesNotBear) {
   const Problem problem = open_set("paper/monotone/exp5-1e8")->generate(1, 3);
@@ -444,24 +313,10 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
   }
 }
 
-TEST(ActiveSetTest, SolvingAllocatesNothing) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* precision : {"double", "ladder"}) {
-    const auto set = open_set("paper/monotone/exp4");
-    const auto solver = active_set({{"precision", precision}});
-    Answer answer;
-    for (int trial = 0; trial < 40; ++trial) {
-      solver->load(set->generate(2, trial));
-      solver->solve({}, answer);  // its storage is reused below
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << ", trial " << trial;
-    }
-  }
-}
-
 TEST(ActiveSetTest, LoadsWithoutAllocatingWhatWasReserved) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   std::vector<Problem> problems;
-  for (const int bodies : {3, 1, 2}) problems.push_back(Problem("stack", stack(bodies, {0.25, 0, -0.5})));
+  for (const int bodies : {3, 1, 2}) problems.push_back(testing::cube_stack(bodies, 0, 0.5, 0.25));
   for (const char* name : {"paper/monotone/exp2", "paper/monotone/exp4"}) {
     for (std::int64_t trial = 0; trial < 8; ++trial) problems.push_back(open_set(name)->generate(55, trial));
   }

@@ -30,18 +30,6 @@ using testing::solve_whole;
 using testing::vec;
 using testing::velocity_difference;
 
-std::vector<std::string> full_rank_sets() {
-  std::vector<std::string> names{"paper/monotone/exp1", "paper/copositive/exp1"};
-  for (const char* kind : {"monotone", "copositive"}) {
-    for (const char* experiment : {"exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10", "exp6-1e5", "exp6-1e8", "exp6-1e10"}) {
-      for (const char* redundancy : {"multiple", "combination"}) {
-        names.push_back(std::string("paper/") + kind + "/" + experiment + "{redundancy=" + redundancy + "}");
-      }
-    }
-  }
-  return names;
-}
-
 // --- islands ---
 
 /// Coordinates {0, 2}, {1, 3} and {4}; contacts on the first, the second, both coordinates of the second, the third,
@@ -142,11 +130,7 @@ TEST(AutoTest, AnUpdateMakesAnythingPressAndRest) {
 // --- the study's problems ---
 
 class AutoOnSets : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(FullRank, AutoOnSets, ::testing::ValuesIn(full_rank_sets()), [](const auto& test) {
-  std::string name = test.param.substr(6);
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(FullRank, AutoOnSets, ::testing::ValuesIn(testing::full_rank_sets()), testing::paper_set_name);
 
 TEST_P(AutoOnSets, SolvesEveryProblem) {
   const auto set = open_set(GetParam());
@@ -156,22 +140,6 @@ TEST_P(AutoOnSets, SolvesEveryProblem) {
     solver->load(problem);
     testing::expect_solved(problem, solve(*solver));
   }
-}
-
-TEST(AutoTest, ClaimsOnlyWhatHoldsWhereGIsSingular) {
-  int solved = 0, unsolvable = 0;
-  for (const char* name : {"paper/monotone/exp3", "paper/monotone/exp4", "paper/copositive/exp3"}) {
-    const auto set = open_set(name);
-    for (std::int64_t trial = 0; trial < 40; ++trial) {
-      const Problem problem = set->generate(8102, trial);
-      const Answer answer = solve(problem);
-      unsolvable += answer.claim == Claim::kUnsolvable;
-      solved += answer.claim == Claim::kSolved;
-      expect_honest(problem, answer);
-    }
-  }
-  EXPECT_GE(solved, 60);
-  EXPECT_GE(unsolvable, 5);
 }
 
 // An answer that is used again has no proof left from the problem before.
@@ -237,46 +205,6 @@ TEST(AutoTest, FromTheLastAnswerARestingStepTakesLessThanHalfThePivots) {
   }
 }
 
-TEST(AutoTest, AnUpdateIsAsGoodAsALoad) {
-  const BoxStacks shape{.stacks = 4, .height = 3, .lifted = 2};
-  const Problem first("stacks", box_stacks(shape));
-  const auto solver = auto_solver();
-  solver->load(first);
-  solve(*solver);
-  for (int step = 1; step <= 4; ++step) {
-    ContactProblem contact = *first.contact();
-    contact.v = falling_velocity({.stacks = 4, .height = 3, .lifted = step % 2 == 0 ? 2 : 4}, step);
-    solver->update(contact.v);
-    const Problem now("step", contact);
-    const Answer updated = solve(*solver);
-    expect_verified(now, updated, "step " + std::to_string(step));
-    EXPECT_LE(velocity_difference(now, updated, solve(now)), 1e-12) << step;
-  }
-}
-
-TEST(AutoTest, AllocatesNothingInASolveThatNeedsNoSecondMethod) {
-  const auto solver = auto_solver();
-  std::vector<Problem> problems{Problem("stacks", box_stacks({.stacks = 5, .height = 3, .lifted = 3})),
-                                Problem("smooth stacks", box_stacks({.stacks = 5, .height = 3, .edges = 0}))};
-  for (const char* name : {"paper/monotone/exp5-1e10", "paper/copositive/exp5-1e10{redundancy=combination}"}) {
-    for (std::int64_t trial = 0; trial < 20; ++trial) problems.push_back(open_set(name)->generate(8, trial));
-  }
-  int counted = 0;
-  for (const Problem& problem : problems) {
-    solver->load(problem);
-    Answer answer;
-    answer.reserve(problem);
-    // Rest may be sought after an answer that slips: a second method, which is loaded then.
-    if (problem.contact()->frictional()) solver->solve({}, answer);
-    const auto allocations = testing::count_allocations([&] { solver->solve({}, answer); });
-    EXPECT_EQ(answer.claim, Claim::kSolved);
-    if (contains(answer.detail, "psor") || contains(answer.detail, "friction_ipm")) continue;
-    EXPECT_EQ(allocations, 0) << problem.name();
-    ++counted;
-  }
-  EXPECT_GE(counted, 25);
-}
-
 std::size_t bytes_taken_in_load(const Problem& problem) {
   const auto solver = auto_solver();
   testing::count_allocations([&] { solver->load(problem); });
@@ -304,8 +232,8 @@ std::vector<Problem> unlike_stacks() {
   soft.compliance_t = Vector::Constant(rigid.nc(), 2e-3);
   soft.offset_t = Vector::LinSpaced(2 * rigid.nc(), -0.01, 0.01);
   slippery.mu.head(rigid.nc() / 2).setZero();
-  return {Problem("rigid", rigid), Problem("offset", offset), Problem("soft", soft),
-          Problem("dense", in_dense_matrices(rigid)),
+  return {Problem("rigid", rigid),       Problem("offset", offset),
+          Problem("soft", soft),         Problem("dense", in_dense_matrices(rigid)),
           Problem("slippery", slippery), Problem("few", box_stacks({.stacks = 2}))};
 }
 
@@ -337,7 +265,8 @@ TEST(AutoTest, ALoadOfTheNextStepAllocatesTwiceForAnIslandAtMost) {
   EXPECT_LE(testing::count_allocations([&] { solver->load(problem); }), 2 * 8);
 }
 
-/// A stack whose inertia couples all its coordinates: one island that is the whole problem. Every other cube is heavier.
+/// A stack whose inertia couples all its coordinates: one island that is the whole problem. Every other cube is
+/// heavier.
 Problem large_and_dense(double ratio, double slide) {
   RigidScene scene = box_stacks({.stacks = 1, .height = 12, .jitter = 1});
   for (std::size_t b = 0; b < scene.bodies.size(); b += 2) {

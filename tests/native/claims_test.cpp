@@ -92,18 +92,6 @@ TEST(ClaimsTest, AreNotMadeWhereAProblemOfThePaperMissesItsSolution) {
   EXPECT_LT(problem.contact()->v.dot(to_dense(problem.contact()->N) * answer.farkas), 0);
 }
 
-// Where the test of the answer is left out these claims are made: the test is what makes the difference.
-TEST(ClaimsTest, AreFalseWithoutTheTest) {
-  const std::pair<const char*, Problem> cases[] = {
-      {"lemke{test=none}", open_set("hard/scaling/symmetric")->generate(1, 0)},
-      {"primal_dual{test=none}", open_set("paper/monotone/exp4")->generate(1, 11036)}};
-  for (const auto& [solver, problem] : cases) {
-    const Answer answer = solve(solver, problem);
-    EXPECT_EQ(answer.claim, Claim::kSolved) << solver;
-    EXPECT_FALSE(Evaluator(problem).errors(answer).solved) << solver;
-  }
-}
-
 Problem with_velocity(const Problem& problem, const Vector& v) {
   ContactProblem contact = *problem.contact();
   contact.v = v;
@@ -128,7 +116,8 @@ TEST(ClaimsTest, LeaveNoMoreThanTheSureResidualHoweverLittleContactsMissTheirSol
       ++unsolvable;
       for (const double share : {1e-3, 1e-5, 1e-7}) {
         const Problem nearly = nearly_solvable(problem, disproof.farkas, share);
-        for (const char* solver : {"lemke", "regularized", "friction_ipm", "proximal_newton", "quickstep_sor", "auto"}) {
+        for (const char* solver :
+             {"lemke", "regularized", "friction_ipm", "proximal_newton", "quickstep_sor", "auto"}) {
           const Answer answer = solve(solver, nearly, kPatient);
           if (answer.claim == Claim::kSolved) expect_solved(nearly, answer, kSureResidual, solver);
         }
@@ -172,20 +161,6 @@ TEST(ClaimsTest, AreNotMadeOfNegativeBlocks) {
   const Problem problem("negative", frictionless(Vector::Constant(72, -1), Matrix::Identity(72, 72), inertia));
   for (const char* name : {"contact_lemke", "contact_lemke{precision=quad}"}) {
     EXPECT_EQ(solve(name, problem).claim, Claim::kNumericalFailure) << name;
-  }
-}
-
-TEST(ClaimsTest, AcceptSettingsDoNotReplaceTheTest) {
-  Draw draw(3);
-  for (int trial = 0; trial < 20; ++trial) {
-    const Matrix X = draw.matrix(6, 8);
-    const Problem problem("accept", frictionless(draw.vector(6), draw.matrix(6, 5), DenseInertia{X * X.transpose()}));
-    for (const char* solver :
-         {"active_set{accept_residual=1e9}", "velocity_ipm{accept_residual=1e9,finish=false,tolerance=1e9}",
-          "cone_ipm{accept_residual=1e9,tolerance=1e9}", "friction_ipm{accept_residual=1e9,tolerance=1e9}",
-          "proximal_newton{accept_residual=1e9,tolerance=1e9}", "primal_dual{accept_residual=1e9}"}) {
-      expect_honest(problem, solve(solver, problem), solver);
-    }
   }
 }
 

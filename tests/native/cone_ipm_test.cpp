@@ -1,35 +1,27 @@
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/compliance.h"
-#include "core/registry.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/contacts.h"
+#include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_cone_ipm();
-}
 
 namespace lcpbench::cone_ipm_test {
 namespace {
 
+using testing::point_on_floor;
 using testing::vector_of;
 
 const Options kCone{{"cone", "true"}};
 
 Answer solve(const Problem& problem, const Options& options = kCone) {
-  const auto solver = lcpbench_solver_cone_ipm().make(options);
-  solver->load(problem);
-  Answer answer;
-  solver->solve({}, answer);
-  return answer;
+  return testing::solve(Spec{"cone_ipm", options}, problem);
 }
 
 /// rho of the round cone.
@@ -37,23 +29,6 @@ double cone_residual(const Problem& problem, const Answer& answer) {
   Errors errors = Evaluator(problem).errors(answer);
   measure_friction(FrictionModel::kCone, problem, answer, errors);
   return errors.velocity_residual_relative;
-}
-
-/// A point of mass 2 that meets the floor z = 0; the friction directions are those of a regular polygon.
-ContactProblem point_on_floor(double mu, int edges, const Vector& v) {
-  ContactProblem contact;
-  contact.v = v;
-  contact.N = Matrix{{0.0}, {0.0}, {1.0}};
-  Matrix D = Matrix::Zero(3, edges);
-  for (int k = 0; k < edges; ++k) {
-    const double angle = 2 * std::numbers::pi * k / edges;
-    D.col(k) << std::cos(angle), std::sin(angle), 0;
-  }
-  contact.D = D;
-  contact.edges = {edges};
-  contact.mu = vector_of({mu});
-  contact.inertia = DenseInertia{2 * Matrix::Identity(3, 3)};
-  return contact;
 }
 
 // A wall that parts couples the coordinates; the floor presses and moves one of them alone.
@@ -167,7 +142,7 @@ Errors convex_errors(const Problem& problem, const Answer& answer) {
 TEST(ConeIpmTest, WithoutTheSlipItIsTheConvexModelAndJudgedByThatAlone) {
   const Problem problem("oblique", point_on_floor(0.5, 4, vector_of({3, 4, -1})));
   const Answer answer = solve(problem, kConvex);
-  EXPECT_EQ(lcpbench_solver_cone_ipm().friction(kConvex), FrictionModel::kConvex);
+  EXPECT_EQ(find_solver("cone_ipm").definition.friction(kConvex), FrictionModel::kConvex);
   EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_LE((answer.velocity - vector_of({3.6 * 0.6, 3.6 * 0.8, 1.8})).lpNorm<Eigen::Infinity>(), 1e-8);
   EXPECT_LE(convex_errors(problem, answer).velocity_residual_relative, 1e-9);
@@ -277,16 +252,6 @@ TEST(ConeIpmTest, WallsThatCloseInAreNotCalledSolved) {
   EXPECT_TRUE(answer.z.allFinite());
 }
 
-TEST(ConeIpmTest, WithoutFrictionItsVelocityIsThatOfThePyramidsSolvers) {
-  const auto set = open_set("paper/monotone/exp1");
-  for (std::int64_t trial = 0; trial < 10; ++trial) {
-    const Problem problem = set->generate(7, trial);
-    const Answer answer = solve(problem, {});
-    ASSERT_EQ(answer.claim, Claim::kSolved) << trial << " " << answer.detail;
-    EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-8) << trial;
-  }
-}
-
 // Wedges, on which turned pyramids cycle; tables; mass ratios; redundant contacts. What it claims the evaluation finds.
 TEST(ConeIpmTest, MeetsTheConeOnCapturedSteps) {
   for (const char* name :
@@ -303,28 +268,11 @@ TEST(ConeIpmTest, MeetsTheConeOnCapturedSteps) {
   }
 }
 
-TEST(ConeIpmTest, UpdateIsAsGoodAsLoad) {
-  const auto set = open_set("scene/uneven-table/ode");
-  const Problem problem = set->generate(1, 2);
-  const auto solver = lcpbench_solver_cone_ipm().make(kCone);
-  solver->load(set->generate(1, 2));
-  Answer answer;
-  solver->solve({}, answer);
-  const Answer first = answer;
-  solver->update(Vector::Zero(problem.contact()->ngc()));
-  solver->solve({}, answer);
-  EXPECT_EQ(answer.claim, Claim::kSolved);
-  solver->update(problem.contact()->v);
-  solver->solve({}, answer);
-  EXPECT_EQ(answer.z, first.z);
-  EXPECT_EQ(answer.velocity, first.velocity);
-}
-
 TEST(ConeIpmTest, SolvesWithoutAllocating) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   for (const char* name : {"scene/uneven-table/ode", "scene/mass-ratio-1e4/bullet", "scene/wall/ode"}) {
     const Problem problem = open_set(name)->generate(1, 1);
-    const auto solver = lcpbench_solver_cone_ipm().make(kCone);
+    const auto solver = make_solver({"cone_ipm", kCone});
     solver->load(problem);
     Answer answer;
     answer.reserve(problem);
@@ -337,16 +285,6 @@ TEST(ConeIpmTest, SolvesWithoutAllocating) {
               0)
         << name;
   }
-}
-
-TEST(ConeIpmTest, ObeysItsLimits) {
-  const Problem problem = open_set("scene/wall/ode")->generate(1, 1);
-  EXPECT_EQ(solve(problem, {{"cone", "true"}, {"max_iterations", "2"}}).claim, Claim::kIterationLimit);
-  const auto solver = lcpbench_solver_cone_ipm().make(kCone);
-  solver->load(problem);
-  Answer answer;
-  solver->solve({.time_limit_s = 1e-9}, answer);
-  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
 }
 
 }  // namespace

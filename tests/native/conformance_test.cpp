@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "generators/sets.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/contacts.h"
 #include "tests/support/solving.h"
@@ -196,6 +197,26 @@ TEST_P(ConformanceTest, SolvesAContactProblemAndItsNextTimeStep) {
   solver->solve({}, next);
   ASSERT_EQ(next.claim, Claim::kSolved) << next.detail;
   EXPECT_LE((next.z - z).lpNorm<Eigen::Infinity>(), kPlantedError);
+}
+
+// With friction where the solver takes it, as one of its settings or by itself.
+TEST_P(ConformanceTest, AnUpdateGivesBitForBitWhatALoadGives) {
+  const bool cone = GetParam() == "cone_ipm";
+  for (const char* set : {"paper/monotone/exp1", "paper/copositive/exp1{nc_max=4}", "scene/uneven-table/ode"}) {
+    ContactProblem contact = *open_set(set)->generate(5, 2).contact();
+    const auto solver = make(cone ? Options{{"cone", "true"}} : Options{});
+    if (!why_not(solver->capabilities(), Problem("first", contact)).empty()) continue;
+    solve(*solver, Problem("first", contact));
+    contact.v *= -0.5;
+    contact.v(0) += 0.25;
+    solver->update(contact.v);
+    Answer updated;
+    solver->solve({}, updated);
+    const Answer loaded = solve(*make(cone ? Options{{"cone", "true"}} : Options{}), Problem("second", contact));
+    EXPECT_EQ(updated.claim, loaded.claim) << set;
+    EXPECT_TRUE(same_bits(updated.z, loaded.z)) << set;
+    EXPECT_TRUE(same_bits(updated.velocity, loaded.velocity)) << set;
+  }
 }
 
 TEST_P(ConformanceTest, HandlesNoAndOneUnknown) {

@@ -1,6 +1,4 @@
 // Which paths contact_lemke takes: from its last answer, in which arithmetic, and until when.
-#include "native/contact_lemke/contact_lemke.h"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,34 +9,21 @@
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
-#include "tests/support/allocation_counter.h"
+#include "native/contact_lemke/contact_lemke.h"
 #include "tests/support/cube_stack.h"
+#include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_contact_lemke();
-}
 
 namespace lcpbench::contact_lemke_paths_test {
 namespace {
 
-std::unique_ptr<Solver> contact_lemke(const Options& options = {}) {
-  return lcpbench_solver_contact_lemke().make(options);
-}
+std::unique_ptr<Solver> contact_lemke(const Options& options = {}) { return make_solver({"contact_lemke", options}); }
 
-Answer solve(Solver& solver, const SolveRequest& request = {}) {
-  Answer answer;
-  solver.solve(request, answer);
-  return answer;
-}
+Answer solve(Solver& solver, const SolveRequest& request = {}) { return testing::solve(solver, request); }
 
 Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
-  const auto solver = contact_lemke(options);
-  solver->load(problem);
-  return solve(*solver, request);
+  return testing::solve(Spec{"contact_lemke", options}, problem, request);
 }
 
 Errors errors_of(const Problem& problem, const Answer& answer) { return Evaluator(problem).errors(answer); }
@@ -111,20 +96,6 @@ TEST(ContactLemkeTest, IgnoresAStartThatIsNotItsLastAnswer) {
   }
   solver->load(problem);  // what came before is gone
   EXPECT_EQ(solve(*solver, {.start = &first.z}).counters.pivots, cold.counters.pivots);
-}
-
-TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* precision : {"double", "quad", "cascade"}) {
-    const auto solver = contact_lemke({{"precision", precision}});
-    for (std::int64_t trial = 0; trial < 20; ++trial) {
-      const Problem problem = open_set("paper/copositive/exp5-1e10{redundancy=combination}")->generate(52, trial);
-      solver->load(problem);
-      Answer answer;
-      answer.reserve(problem);
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << " " << trial;
-    }
-  }
 }
 
 // Islands of `auto` take turns on the engines beyond double: each must find its own problem there again.

@@ -10,63 +10,30 @@
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/contacts.h"
 #include "tests/support/cube_stack.h"
 #include "tests/support/exact_velocity.h"
+#include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_contact_lemke();
-}
 
 namespace lcpbench::contact_lemke_test {
 namespace {
 
-std::unique_ptr<Solver> contact_lemke(const Options& options = {}) {
-  return lcpbench_solver_contact_lemke().make(options);
-}
+std::unique_ptr<Solver> contact_lemke(const Options& options = {}) { return make_solver({"contact_lemke", options}); }
 
-Answer solve(Solver& solver, const SolveRequest& request = {}) {
-  Answer answer;
-  solver.solve(request, answer);
-  return answer;
-}
+Answer solve(Solver& solver, const SolveRequest& request = {}) { return testing::solve(solver, request); }
 
 Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
-  const auto solver = contact_lemke(options);
-  solver->load(problem);
-  return solve(*solver, request);
+  return testing::solve(Spec{"contact_lemke", options}, problem, request);
 }
 
 Errors errors_of(const Problem& problem, const Answer& answer) { return Evaluator(problem).errors(answer); }
 
-/// A point of mass 2 that meets the floor z = 0 with velocity (3, 0, -1); friction along x and y.
-ContactProblem point_on_floor(double mu) {
-  ContactProblem contact;
-  contact.v = testing::vector_of({3, 0, -1});
-  contact.N = Matrix{{0.0}, {0.0}, {1.0}};
-  contact.D = Matrix{{1.0, 0.0, -1.0, 0.0}, {0.0, 1.0, 0.0, -1.0}, {0.0, 0.0, 0.0, 0.0}};
-  contact.edges = {4};
-  contact.mu = testing::vector_of({mu});
-  contact.inertia = DenseInertia{2 * Matrix::Identity(3, 3)};
-  return contact;
-}
-
-std::vector<std::string> full_rank_sets() {
-  std::vector<std::string> names{"paper/monotone/exp1", "paper/copositive/exp1"};
-  for (const char* kind : {"monotone", "copositive"}) {
-    for (const char* experiment : {"exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10"}) {
-      for (const char* redundancy : {"multiple", "combination"}) {
-        names.push_back(std::string("paper/") + kind + "/" + experiment + "{redundancy=" + redundancy + "}");
-      }
-    }
-  }
-  return names;
-}
+/// It meets the floor with velocity (3, 0, -1); friction along x and y.
+ContactProblem point_on_floor(double mu) { return testing::point_on_floor(mu, 4, testing::vector_of({3, 0, -1})); }
 
 // --- small problems with known answers ---
 
@@ -144,11 +111,8 @@ TEST(ContactLemkeTest, SolvesStacksFullOfTies) {
 
 class ContactLemkeOnSets : public ::testing::TestWithParam<std::string> {};
 
-INSTANTIATE_TEST_SUITE_P(FullRank, ContactLemkeOnSets, ::testing::ValuesIn(full_rank_sets()), [](const auto& test) {
-  std::string name = test.param.substr(6);
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(FullRank, ContactLemkeOnSets, ::testing::ValuesIn(testing::full_rank_sets()),
+                         testing::paper_set_name);
 
 TEST_P(ContactLemkeOnSets, SolvesEveryProblem) {
   const auto set = open_set(GetParam());
@@ -159,25 +123,6 @@ TEST_P(ContactLemkeOnSets, SolvesEveryProblem) {
     const Answer answer = solve(*solver);
     ASSERT_EQ(answer.claim, Claim::kSolved) << "trial " << trial << ": " << answer.detail;
     EXPECT_TRUE(errors_of(problem, answer).solved) << "trial " << trial << ", " << answer.detail;
-  }
-}
-
-// In double alone, and by every way through the cascade: what is claimed holds, and little is left out.
-TEST_P(ContactLemkeOnSets, DoubleClaimsWhatHolds) {
-  const auto set = open_set(GetParam());
-  const bool hardest = GetParam().find("1e10") != std::string::npos;
-  for (const char* covering : {"both", "classic"}) {
-    const auto solver = contact_lemke({{"precision", "double"}, {"covering", covering}});
-    int solved = 0;
-    for (std::int64_t trial = 0; trial < 30; ++trial) {
-      const Problem problem = set->generate(4712, trial);
-      solver->load(problem);
-      const Answer answer = solve(*solver);
-      if (answer.claim != Claim::kSolved) continue;
-      ++solved;
-      EXPECT_TRUE(errors_of(problem, answer).solved) << covering << ", trial " << trial << ", " << answer.detail;
-    }
-    EXPECT_GE(solved, hardest ? 24 : 30) << covering;
   }
 }
 
@@ -279,38 +224,6 @@ TEST(ContactLemkeTest, DoesNotDependOnUnits) {
   }
 }
 
-TEST(ContactLemkeTest, SurvivesDataAtTheEndsOfTheRange) {
-  const ContactProblem contact = *open_set("paper/copositive/exp2")->generate(16, 4).contact();
-  for (const char* precision : {"double", "cascade"}) {
-    const auto solver = contact_lemke({{"precision", precision}});
-    for (const double speed : {0.0, 0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {
-      for (const double mass : {0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {
-        for (const double reach : {1e-150, 1.0, 1e150}) {
-          ContactProblem scaled = contact;
-          scaled.v *= speed;
-          scaled.inertia = DenseInertia{mass * dense_inertia(contact.inertia)};
-          scaled.N = Matrix(reach * std::get<Matrix>(contact.N));
-          const Problem problem("extreme", scaled);
-          solver->load(problem);
-          const Answer answer = solve(*solver, {.time_limit_s = 600});
-          EXPECT_EQ(answer.z.size(), problem.size());
-          const bool in_the_middle = speed == 1 && mass == 1 && reach == 1;
-          EXPECT_TRUE(answer.claim == Claim::kSolved || !in_the_middle) << precision;
-          if (answer.claim != Claim::kSolved) continue;
-          EXPECT_TRUE(answer.z.allFinite()) << speed << " " << mass << " " << reach;
-          EXPECT_TRUE(errors_of(problem, answer).solved) << precision << " " << speed << " " << mass << " " << reach;
-        }
-      }
-    }
-  }
-}
-
-TEST(ContactLemkeTest, RefusesBareLcps) {
-  const Answer answer = solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)}));
-  EXPECT_EQ(answer.claim, Claim::kUnsupported);
-  EXPECT_NE(answer.detail.find("contact problem"), std::string::npos) << answer.detail;
-}
-
 // --- problems without a solution ---
 
 /// Two contacts push a body that cannot move along x against each other.
@@ -334,24 +247,6 @@ TEST(ContactLemkeTest, SaysUnsolvableOnlyWithAProofThatHolds) {
     ASSERT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
     EXPECT_TRUE(Evaluator(problem).check_farkas(answer.farkas)) << answer.farkas.transpose();
   }
-}
-
-TEST(ContactLemkeTest, ClaimsNothingUntrueOnReducedRank) {
-  int solved = 0, unsolvable = 0;
-  for (const char* name : {"paper/monotone/exp3", "paper/monotone/exp4", "paper/copositive/exp3",
-                           "paper/copositive/exp4{redundancy=combination}"}) {
-    const auto set = open_set(name);
-    for (std::int64_t trial = 0; trial < 40; ++trial) {
-      const Problem problem = set->generate(31, trial);
-      const Answer answer = solve(problem, {{"precision", "double"}});
-      EXPECT_TRUE(answer.claim != Claim::kUnsolvable || answer.farkas.size() == problem.contact()->nc());
-      EXPECT_TRUE(answer.claim != Claim::kSolved || errors_of(problem, answer).solved) << name << " " << trial;
-      solved += answer.claim == Claim::kSolved ? 1 : 0;
-      unsolvable += answer.claim == Claim::kUnsolvable ? 1 : 0;
-    }
-  }
-  EXPECT_GE(solved, 100);
-  EXPECT_GE(unsolvable, 5);
 }
 
 // The factors' range is what the smallest pivots of a rounded G = X A X' would lose: here four digits were left of it.
@@ -403,46 +298,6 @@ TEST(ContactLemkeTest, RoundsImpulsesSoThatTheOthersMakeUpForIt) {
 
 // --- the life of a solver ---
 
-TEST(ContactLemkeTest, UpdateIsAsGoodAsLoading) {
-  const auto set = open_set("paper/copositive/exp5-1e8");
-  for (std::int64_t trial = 0; trial < 10; ++trial) {
-    ContactProblem contact = *set->generate(41, trial).contact();
-    const auto solver = contact_lemke();
-    solver->load(Problem("first", contact));
-    solve(*solver);
-    contact.v = -0.5 * contact.v;
-    contact.v(0) += 0.25;
-    solver->update(contact.v);
-    const Answer updated = solve(*solver);
-    const Answer fresh = solve(Problem("second", contact));
-    EXPECT_EQ(updated.claim, fresh.claim);
-    EXPECT_EQ(updated.z, fresh.z);
-    EXPECT_EQ(updated.counters.pivots, fresh.counters.pivots);
-  }
-}
-
-TEST(ContactLemkeTest, AnUpdateThatIsNoNumberIsRefused) {
-  const auto solver = contact_lemke();
-  solver->load(Problem("point", point_on_floor(0.5)));
-  solver->update(testing::vector_of({0, std::nan(""), 0}));
-  EXPECT_EQ(solve(*solver).claim, Claim::kUnsupported);
-}
-
-TEST(ContactLemkeTest, AllocatesNothingInDouble) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  const auto solver = contact_lemke({{"precision", "double"}});
-  for (const char* name : {"paper/copositive/exp2{redundancy=combination}", "paper/copositive/exp5-1e10"}) {
-    const auto set = open_set(name);
-    for (std::int64_t trial = 0; trial < 20; ++trial) {
-      const Problem problem = set->generate(51, trial);
-      solver->load(problem);
-      Answer answer;
-      answer.reserve(problem);
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name << " " << trial;
-    }
-  }
-}
-
 /// The stack with its second body 2^60 times as heavy: coordinates in other units for the engines.
 Problem stack_in_two_units(int edges) {
   ContactProblem contact = *testing::cube_stack(2, edges, 0.25, 0.5).contact();
@@ -482,19 +337,6 @@ TEST(ContactLemkeTest, RespondsWithTheVelocityOfItsAnswer) {
     // Both are double arithmetic on a well-conditioned inertia, or one whose conditioning is that of its units.
     EXPECT_LE((velocity - expected).lpNorm<Eigen::Infinity>(), 1e-12 * problem.contact()->v.norm()) << problem.name();
   }
-}
-
-TEST(ContactLemkeTest, ObeysItsLimits) {
-  const Problem problem = open_set("paper/copositive/exp1")->generate(61, 3);
-  const Answer whole = solve(problem);
-  ASSERT_EQ(whole.claim, Claim::kSolved);
-  ASSERT_GT(whole.counters.pivots, 3);
-  const Answer cut = solve(problem, {{"max_pivots", "3"}});
-  EXPECT_EQ(cut.claim, Claim::kIterationLimit);
-  EXPECT_EQ(cut.counters.pivots, 3);
-  SolveRequest request;
-  request.time_limit_s = 0;
-  EXPECT_EQ(solve(problem, {}, request).claim, Claim::kTimeLimit);
 }
 
 }  // namespace

@@ -1,36 +1,20 @@
+#include "native/friction_ipm/friction_ipm.h"
+
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
-#include "native/friction_ipm/friction_ipm.h"
-#include "study/evaluation/evaluation.h"
-#include "tests/native/allocation_checks.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/brick_wall.h"
+#include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_friction_ipm();
-SolverDefinition lcpbench_solver_velocity_ipm();
-}
 
 namespace lcpbench::friction_ipm_test {
 namespace {
 
-Answer solve_with(const SolverDefinition& definition, const Problem& problem, const Options& options = {},
-                  const SolveRequest& request = {}) {
-  const auto solver = definition.make(options);
-  solver->load(problem);
-  Answer answer;
-  solver->solve(request, answer);
-  return answer;
-}
-
 Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
-  return solve_with(lcpbench_solver_friction_ipm(), problem, options, request);
+  return testing::solve(Spec{"friction_ipm", options}, problem, request);
 }
 
 /// A particle of unit mass that meets the ground at 1 m/s downwards and slides at `speed` along x; four edges along the
@@ -83,7 +67,7 @@ TEST(FrictionIpmTest, IsVelocityIpmWithoutFriction) {
   const Answer answer = solve(wall);
   ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_EQ(answer.detail, "1 convex problem");
-  const Answer reference = solve_with(lcpbench_solver_velocity_ipm(), wall);
+  const Answer reference = testing::solve("velocity_ipm", wall);
   const ContactProblem& contact = *wall.contact();
   const Vector difference = post_impact_velocity(contact, answer.z) - post_impact_velocity(contact, reference.z);
   EXPECT_LE(difference.lpNorm<Eigen::Infinity>(), 1e-12 * contact.v.lpNorm<Eigen::Infinity>());
@@ -128,21 +112,6 @@ TEST(FrictionIpmTest, EndsWhenTheFixedPointIsReached) {
   EXPECT_LE(answer.counters.iterations, 450);
 }
 
-TEST(FrictionIpmTest, ClaimsNothingUntrueOnThePapersProblems) {
-  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp5-1e5"}) {
-    const auto set = open_set(name);
-    int solved = 0;
-    for (int trial = 0; trial < 10; ++trial) {
-      const Problem problem = set->generate(35, trial);
-      const Answer answer = solve(problem, {}, {.time_limit_s = 60});
-      if (answer.claim != Claim::kSolved) continue;
-      ++solved;
-      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
-    }
-    EXPECT_GE(solved, 5) << name;
-  }
-}
-
 // On a step of each, the rounds come no nearer than 3e-5 and 4e-5: within what the test of the answer proves.
 TEST(FrictionIpmTest, ClaimsWhatItsTestProves) {
   for (const char* name : {"scene/card-house/bullet", "scene/wall/bullet"}) {
@@ -154,48 +123,6 @@ TEST(FrictionIpmTest, ClaimsWhatItsTestProves) {
       EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
     }
   }
-}
-
-TEST(FrictionIpmTest, UpdateGivesBitForBitWhatLoadGives) {
-  ContactProblem contact = contact_problem(testing::frictional_brick_wall(3, 3, 0.5));
-  const auto solver = lcpbench_solver_friction_ipm().make({});
-  solver->load(Problem("first", contact));
-  contact.v *= 0.5;
-  contact.v(2) -= 0.125;
-  solver->update(contact.v);
-  Answer updated;
-  solver->solve({}, updated);
-  const Answer loaded = solve(Problem("second", contact));
-  EXPECT_EQ(updated.claim, loaded.claim);
-  EXPECT_EQ(updated.z, loaded.z);
-}
-
-// Whatever the algebra, the size and the way a solve ends; the second time, when the answer has its storage.
-TEST(FrictionIpmTest, SolvingAllocatesNothing) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  ASSERT_TRUE(lcpbench_solver_friction_ipm().capabilities.allocation_free);
-  const std::vector<Problem> problems{
-      Problem("particle", sliding_particle(4, 0.5)),        Problem("small", testing::frictional_brick_wall(2, 3, 0.5)),
-      Problem("frictionless", testing::brick_wall(15, 21)), Problem("large", testing::frictional_brick_wall(8, 9, 0.5)),
-      open_set("paper/copositive/exp1")->generate(35, 0),   open_set("paper/copositive/exp5-1e8")->generate(35, 1)};
-  const std::vector<Options> ways{{},
-                                  {{"max_iterations", "30"}},
-                                  {{"accept_residual", "0"}, {"tolerance", "0"}, {"max_iterations", "300"}},
-                                  {{"algebra", "dense"}},
-                                  {{"algebra", "sparse"}}};
-  for (const Problem& problem : problems) {
-    for (const Options& options : ways) {
-      if (problem.contact()->nc() > 100 && !options.empty() && options.front().first == "algebra") continue;
-      testing::expect_solves_without_allocating(*lcpbench_solver_friction_ipm().make(options), problem);
-    }
-  }
-}
-
-TEST(FrictionIpmTest, SolvingAllocatesNothingAfterAProblemWithFriction) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  const auto solver = lcpbench_solver_friction_ipm().make({});
-  solver->load(Problem("with friction", testing::frictional_brick_wall(2, 3, 0.5)));
-  testing::expect_solves_without_allocating(*solver, Problem("frictionless", testing::brick_wall(4, 5)));
 }
 
 // The settings allow more than the test of an answer does.
@@ -227,15 +154,6 @@ TEST(FrictionIpmTest, ItsResidualTellsFromTheSecondConvexProblemOn) {
   while (!solver->go_on(1, kInfinity, answer) && !solver->residual_tells()) {
   }
   EXPECT_TRUE(solver->residual_tells());
-}
-
-TEST(FrictionIpmTest, StopsAtItsLimits) {
-  const Problem wall("wall", testing::frictional_brick_wall(3, 3, 0.5));
-  const Answer few = solve(wall, {{"max_iterations", "3"}});
-  EXPECT_EQ(few.claim, Claim::kIterationLimit);
-  EXPECT_EQ(few.counters.iterations, 3);
-  EXPECT_EQ(solve(wall, {}, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
-  EXPECT_EQ(solve(Problem("bare", Lcp{Matrix::Identity(2, 2), -testing::ones(2)})).claim, Claim::kUnsupported);
 }
 
 }  // namespace

@@ -6,8 +6,6 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -20,40 +18,24 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-__extension__ typedef __int128 Wide;
-
-/// An integer system A x = c by Bareiss' elimination, x = numerators / determinant; nullopt where A is singular.
-struct Fractions {
-  std::vector<Wide> numerators;
-  Wide determinant = 1;
-};
-
-std::optional<Fractions> solved_exactly(std::vector<std::vector<Wide>> A) {
-  const std::size_t n = A.size();
-  Wide last = 1;
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t pivot = k;
-    while (pivot < n && A[pivot][k] == 0) ++pivot;
-    if (pivot == n) return std::nullopt;
-    if (pivot != k) {
-      std::swap(A[pivot], A[k]);
-      for (Wide& entry : A[k]) entry = -entry;
-    }
-    for (std::size_t i = 0; i < n; ++i) {  // Gauss-Jordan: every division is exact
-      if (i == k) continue;
-      for (std::size_t j = k + 1; j <= n; ++j) A[i][j] = (A[k][k] * A[i][j] - A[i][k] * A[k][j]) / last;
-      A[i][k] = 0;
-    }
-    for (std::size_t i = 0; i < k; ++i) A[i][i] = A[k][k];
-    last = A[k][k];
-  }
-  Fractions result;
-  result.determinant = last;
-  for (std::size_t i = 0; i < n; ++i) result.numerators.push_back(A[i][n]);
-  return result;
-}
-
 enum class State { kLower, kUpper, kBetween };
+
+/// The data are small integers, so that what is no solution misses by more, and rounding by less.
+constexpr double kTolerance = 1e-10;
+
+bool is_solution(const Lcp& lcp, const std::vector<State>& states, const Vector& z) {
+  const Vector w = lcp.M * z + lcp.q;
+  for (Index i = 0; i < z.size(); ++i) {
+    const int of = lcp.bounds.friction_of[static_cast<std::size_t>(i)];
+    const double limit = of >= 0 ? lcp.bounds.mu(i) * z(of) : 0;
+    const double lower = of >= 0 ? -limit : lcp.bounds.lower(i), upper = of >= 0 ? limit : lcp.bounds.upper(i);
+    if (z(i) < lower - kTolerance || z(i) > upper + kTolerance) return false;
+    if (upper - lower <= kTolerance) continue;  // both bounds are one: w is anything
+    const State state = states[static_cast<std::size_t>(i)];
+    if ((state == State::kLower && w(i) < -kTolerance) || (state == State::kUpper && w(i) > kTolerance)) return false;
+  }
+  return true;
+}
 
 /// Every isolated solution, with a flag where some combination of states has a singular system: then there may be more.
 struct Solutions {
@@ -61,73 +43,28 @@ struct Solutions {
   bool complete = true;
 };
 
-/// @param twice_mu  of friction rows, an integer @pre all other numbers are small integers
 Solutions enumerated(const Lcp& lcp) {
-  const auto n = static_cast<std::size_t>(lcp.size());
-  const auto integer = [](double x) { return static_cast<Wide>(static_cast<long long>(x)); };
   Solutions found;
-  std::vector<State> states(n, State::kLower);
-  const auto exists = [&](std::size_t i, State state) {
-    const auto row = static_cast<Index>(i);
-    if (lcp.bounds.friction_of[i] >= 0 || state == State::kBetween) return true;
-    return std::isfinite(state == State::kLower ? lcp.bounds.lower(row) : lcp.bounds.upper(row));
-  };
-  const auto try_states = [&] {
-    std::vector<std::vector<Wide>> A(n, std::vector<Wide>(n + 1, 0));
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto row = static_cast<Index>(i);
-      const int of = lcp.bounds.friction_of[i];
-      if (states[i] == State::kBetween) {
-        for (std::size_t j = 0; j < n; ++j) A[i][j] = integer(lcp.M(row, static_cast<Index>(j)));
-        A[i][n] = -integer(lcp.q(row));
-      } else if (of >= 0) {
-        A[i][i] = 2;
-        A[i][static_cast<std::size_t>(of)] = integer(2 * lcp.bounds.mu(row)) * (states[i] == State::kLower ? 1 : -1);
-      } else {
-        A[i][i] = 1;
-        A[i][n] = integer(states[i] == State::kLower ? lcp.bounds.lower(row) : lcp.bounds.upper(row));
-      }
+  std::vector<State> states(static_cast<std::size_t>(lcp.size()));
+  int combinations = 1;
+  for (Index i = 0; i < lcp.size(); ++i) combinations *= 3;
+  for (int number = 0; number < combinations; ++number) {
+    Matrix A = lcp.M;
+    Vector c = -lcp.q;
+    int rest = number;
+    for (Index i = 0; i < lcp.size(); ++i, rest /= 3) {
+      const State state = states[static_cast<std::size_t>(i)] = static_cast<State>(rest % 3);
+      if (state == State::kBetween) continue;
+      const int of = lcp.bounds.friction_of[static_cast<std::size_t>(i)];
+      A.row(i) = Vector::Unit(lcp.size(), i).transpose();
+      if (of >= 0) A(i, of) = state == State::kLower ? lcp.bounds.mu(i) : -lcp.bounds.mu(i);
+      c(i) = of >= 0 ? 0 : state == State::kLower ? lcp.bounds.lower(i) : lcp.bounds.upper(i);
     }
-    const auto x = solved_exactly(A);
-    if (!x) {
-      found.complete = false;
-      return;
-    }
-    const Wide sign = x->determinant < 0 ? -1 : 1;
-    const Wide size = sign * x->determinant;
-    for (std::size_t i = 0; i < n; ++i) {  // all below is times the size of the determinant
-      const auto row = static_cast<Index>(i);
-      const int of = lcp.bounds.friction_of[i];
-      const Wide z = sign * x->numerators[i];
-      Wide w = integer(lcp.q(row)) * size;
-      for (std::size_t j = 0; j < n; ++j) w += integer(lcp.M(row, static_cast<Index>(j))) * sign * x->numerators[j];
-      if (of >= 0) {
-        const Wide limit = integer(2 * lcp.bounds.mu(row)) * sign * x->numerators[static_cast<std::size_t>(of)];
-        if (2 * z > limit || 2 * z < -limit) return;
-        if (limit == 0) continue;  // both bounds are zero: w is anything
-      } else {
-        if (std::isfinite(lcp.bounds.lower(row)) && z < integer(lcp.bounds.lower(row)) * size) return;
-        if (std::isfinite(lcp.bounds.upper(row)) && z > integer(lcp.bounds.upper(row)) * size) return;
-        if (lcp.bounds.lower(row) == lcp.bounds.upper(row)) continue;
-      }
-      if (states[i] == State::kLower && w < 0) return;
-      if (states[i] == State::kUpper && w > 0) return;
-    }
-    Vector z(lcp.size());
-    for (std::size_t i = 0; i < n; ++i) {
-      z(static_cast<Index>(i)) = static_cast<double>(x->numerators[i]) / static_cast<double>(x->determinant);
-    }
-    found.all.push_back(z);
-  };
-  std::size_t combinations = 1;
-  for (std::size_t i = 0; i < n; ++i) combinations *= 3;
-  for (std::size_t number = 0; number < combinations; ++number) {
-    bool all_exist = true;
-    for (std::size_t i = 0, rest = number; i < n; ++i, rest /= 3) {
-      states[i] = static_cast<State>(rest % 3);
-      all_exist = all_exist && exists(i, states[i]);
-    }
-    if (all_exist) try_states();
+    if (!c.allFinite()) continue;  // a row at a bound that it does not have
+    const Eigen::FullPivLU<Matrix> factors(A);
+    found.complete = found.complete && factors.isInvertible();
+    const Vector z = factors.solve(c);
+    if (factors.isInvertible() && is_solution(lcp, states, z)) found.all.push_back(z);
   }
   return found;
 }

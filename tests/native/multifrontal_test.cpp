@@ -13,7 +13,6 @@
 
 #include "native/kernels/cholesky_engine.h"
 #include "native/velocity_ipm/assembly_tree.h"
-#include "tests/support/allocation_counter.h"
 
 namespace lcpbench::multifrontal_test {
 namespace {
@@ -251,26 +250,6 @@ TEST(MultifrontalLuTest, BreaksDownOnSingularMatricesAndNumbersThatAreNotFiniteA
       factorization->solve(x);
       EXPECT_LE((good.dense() * x - b).norm(), 160 * (3 * pattern.n + 1) * kEpsilon * b.norm()) << pattern.name;
     }
-  }
-}
-
-TEST(MultifrontalCholeskyTest, FactoringAndSolvingAllocateNothing) {
-  for (const Pattern& pattern : patterns()) {
-    const SparseMatrix lower = dominant_matrix(pattern, 1);
-    const auto factorization = multifrontal_cholesky();
-    factorization->analyze(lower);
-    Vector x = random_vector(pattern.n, 1);
-    const Unsymmetric matrix(pattern, 1);
-    const auto unsymmetric = multifrontal_lu();
-    unsymmetric->analyze(lower);
-    EXPECT_EQ(testing::count_allocations([&] {
-                factorization->factor(lower);
-                factorization->solve(x);
-                matrix.factor_by(*unsymmetric);
-                unsymmetric->solve(x);
-              }),
-              0)
-        << pattern.name;
   }
 }
 

@@ -3,37 +3,19 @@
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
-#include "study/evaluation/evaluation.h"
-#include "tests/support/enumeration.h"
+#include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_murty();
-SolverDefinition lcpbench_solver_principal_pivoting();
-}
 
 namespace lcpbench::principal_pivoting_test {
 namespace {
 
 using testing::Uniform;
 
-Answer solve(const SolverDefinition& definition, const Problem& problem, const Options& options = {}) {
-  const auto solver = definition.make(options);
-  solver->load(problem);
-  Answer answer;
-  solver->solve({}, answer);
-  return answer;
-}
-
 Answer murty(const Problem& problem, const Options& options = {}) {
-  return solve(lcpbench_solver_murty(), problem, options);
+  return testing::solve(Spec{"murty", options}, problem);
 }
-
-Answer principal(const Problem& problem, const Options& options = {}) {
-  return solve(lcpbench_solver_principal_pivoting(), problem, options);
-}
+Answer principal(const Problem& problem) { return testing::solve("principal_pivoting", problem); }
 
 Problem bare(Matrix M, Vector q) { return Problem("case", Lcp{std::move(M), std::move(q)}); }
 
@@ -162,20 +144,6 @@ TEST(PrincipalPivotingTest, LinearProgramsArePivotedTwoByTwo) {
   EXPECT_GT(murty_gave_up, 100);  // those with some q_i < 0
 }
 
-// The diagonal entries of all tableaus are 0, but rounding leaves something of them.
-TEST(PrincipalPivotingTest, SkewProblemsArePivotedTwoByTwo) {
-  Uniform uniform(33);
-  for (int trial = 0; trial < 100; ++trial) {
-    const Index n = uniform.integer(4, 20);
-    const Matrix A = uniform.matrix(n, n);
-    Vector z;
-    const Problem problem("skew", testing::plant(A - A.transpose(), uniform.vector(n), z));
-    const Answer answer = principal(problem);
-    ASSERT_EQ(answer.claim, Claim::kSolved) << "trial " << trial << ": " << answer.detail;
-    ASSERT_LE(Evaluator(problem).errors(answer).backward_row_norm, 1e-9) << "trial " << trial;
-  }
-}
-
 TEST(PrincipalPivotingTest, InfeasibleProblemsComeBackWithAProofThatHoldsExactly) {
   Uniform uniform(33);
   int exact = 0;
@@ -200,44 +168,15 @@ TEST(PrincipalPivotingTest, InfeasibleProblemsComeBackWithAProofThatHoldsExactly
   EXPECT_GE(exact, 20);
 }
 
-// Solvable by construction and all but infeasible: a proof to rounding would be a false one.
-TEST(PrincipalPivotingTest, NeverCallsASolvableMonotoneProblemInfeasible) {
-  Uniform uniform(34);
-  for (int trial = 0; trial < 2000; ++trial) {
-    const Index n = uniform.integer(2, 10);
-    Matrix A = uniform.matrix(uniform.integer(1, n), n);
-    A.col(n - 1) = -A.leftCols(n - 1).rowwise().sum();
-    Vector z;
-    const Vector t = uniform.vector(n).array() * (uniform.vector(n).array() > 0).cast<double>();  // degenerate
-    const Problem problem("planted", testing::plant(A.transpose() * A, t, z));
-    for (const Answer& answer : {principal(problem), murty(problem)}) {
-      if (answer.claim != Claim::kUnsolvable) continue;
-      // Where the rounding of q has made the problem unsolvable after all, the test of the answer may find it out.
-      if (answer.farkas.size() > 0) {
-        ASSERT_TRUE(Evaluator(problem).check_farkas(answer.farkas)) << "trial " << trial;
-      } else {  // every support was tried
-        ASSERT_FALSE(testing::enumerate(problem.lcp()).solvable) << "trial " << trial;
-      }
-    }
-  }
-}
-
-TEST(PrincipalPivotingTest, AnIndefiniteMatrixEndsInAnHonestClaim) {
-  const Answer none = principal(bare(testing::matrix_of(2, {0, 1, 1, 0}), testing::vector_of({-2, -2})));
-  EXPECT_NE(none.claim, Claim::kUnsolvable);  // z = (2, 2) solves it
-  EXPECT_EQ(murty(bare(testing::matrix_of(2, {0, 1, 1, 0}), testing::vector_of({-2, -2}))).claim,
-            Claim::kNumericalFailure);
-}
-
 // --- the paper's frictionless problems, judged by the evaluation ---
 
 struct Share {
   int solved = 0, false_claims = 0, unsolvable_claims = 0;
 };
 
-Share share(const SolverDefinition& definition, const std::string& set_name, int trials) {
+Share share(const char* name, const std::string& set_name, int trials) {
   const auto set = open_set(set_name);
-  const auto solver = definition.make({});
+  const auto solver = make_solver({name, {}});
   Share result;
   Answer answer;
   for (int trial = 0; trial < trials; ++trial) {
@@ -256,13 +195,13 @@ Share share(const SolverDefinition& definition, const std::string& set_name, int
 TEST(PrincipalPivotingTest, SolvesThePapersFrictionlessProblems) {
   for (const char* set : {"paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp2{redundancy=combination}",
                           "paper/monotone/exp5-1e8", "paper/monotone/exp5-1e8{redundancy=combination}"}) {
-    const Share of = share(lcpbench_solver_principal_pivoting(), set, 300);
+    const Share of = share("principal_pivoting", set, 300);
     EXPECT_GE(of.solved, 299) << set;  // guaranteed in exact arithmetic; one for another machine's rounding
     EXPECT_EQ(of.false_claims, 0) << set;
     EXPECT_EQ(of.unsolvable_claims, 0) << set;  // G has full rank: all have solutions
   }
   for (const char* set : {"paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp5-1e8"}) {
-    const Share of = share(lcpbench_solver_murty(), set, 300);
+    const Share of = share("murty", set, 300);
     EXPECT_GE(of.solved, 297)
         << set;  // M is singular where contacts outnumber coordinates: no P-matrix, yet mostly solved
     EXPECT_EQ(of.false_claims, 0) << set;
@@ -271,7 +210,7 @@ TEST(PrincipalPivotingTest, SolvesThePapersFrictionlessProblems) {
 
 // Reduced rank: some have no solution. Three of them in twenty by theory; of those it must not solve any.
 TEST(PrincipalPivotingTest, SaysUnsolvableOnlyOfProblemsWithSingularInertia) {
-  const Share of = share(lcpbench_solver_principal_pivoting(), "paper/monotone/exp3", 300);
+  const Share of = share("principal_pivoting", "paper/monotone/exp3", 300);
   EXPECT_NEAR(of.unsolvable_claims, 0.151 * 300, 3 * std::sqrt(300 * 0.151 * 0.849));
   EXPECT_EQ(of.false_claims, 0);
 }

@@ -6,8 +6,8 @@
 
 #include "core/scene.h"
 #include "generators/sets.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/box_stacks.h"
+#include "tests/support/contacts.h"
 #include "tests/support/solving.h"
 #include "tests/support/sphere_piles.h"
 #include "tests/support/textbook_lcps.h"
@@ -21,27 +21,20 @@ using testing::vector_of;
 
 /// A point of mass 2 that meets the floor z = 0 with velocity (3, y, -1); friction along x and y.
 Problem point_on_floor(double mu, double y = 0) {
-  ContactProblem contact;
-  contact.v = vector_of({3, y, -1});
-  contact.N = Matrix{{0.0}, {0.0}, {1.0}};
-  contact.D = Matrix{{1.0, 0.0, -1.0, 0.0}, {0.0, 1.0, 0.0, -1.0}, {0.0, 0.0, 0.0, 0.0}};
-  contact.edges = {4};
-  contact.mu = vector_of({mu});
-  contact.inertia = DenseInertia{2 * Matrix::Identity(3, 3)};
-  return {"point", contact};
+  return {"point", testing::point_on_floor(mu, 4, vector_of({3, y, -1}))};
 }
 
-// f_N = 2. Friction of 1 against x: v+ = (2.5, 0, 0), and lambda bounds the slip. Up to 8: the 6 that stop the point are
-// inside the cone. None: the slip stays. Against x alone 2.5 < 2.75 would leave y the faster: both end at 2.625.
+// f_N = 2. Friction of 1 against x: v+ = (2.5, 0, 0), and lambda bounds the slip. Up to 8: the 6 that stop the point
+// are inside the cone. None: the slip stays. Against x alone 2.5 < 2.75 would leave y the faster: both end at 2.625.
 TEST(PsorTest, APointOnTheFloorIsBrakedAsTheConeAllows) {
   struct Case {
     double mu, y, tolerance;
     Vector z;
   };
-  for (const Case& each : {Case{0.5, 0, 1e-14, vector_of({2, 0, 0, 1, 0, 2.5})},
-                           Case{4, 0, 1e-14, vector_of({2, 0, 0, 6, 0, 0})},
-                           Case{0, 0, 1e-14, vector_of({2, 0, 0, 0, 0, 3})},
-                           Case{0.5, 2.75, 1e-7, vector_of({2, 0, 0, 0.75, 0.25, 2.625})}}) {
+  for (const Case& each :
+       {Case{0.5, 0, 1e-14, vector_of({2, 0, 0, 1, 0, 2.5})}, Case{4, 0, 1e-14, vector_of({2, 0, 0, 6, 0, 0})},
+        Case{0, 0, 1e-14, vector_of({2, 0, 0, 0, 0, 3})},
+        Case{0.5, 2.75, 1e-7, vector_of({2, 0, 0, 0.75, 0.25, 2.625})}}) {
     const Problem problem = point_on_floor(each.mu, each.y);
     const Answer answer = solve("psor{relaxation=1}", problem);
     expect_solved(problem, answer);
@@ -127,18 +120,6 @@ TEST(PsorTest, ExactPartsSolvePilesAboutWhichTheSweepsWander) {
   solve(*solver);
   solver->load(pile);
   for (int repeat = 0; repeat < 2; ++repeat) EXPECT_EQ(solve(*solver).z, exact.z);
-}
-
-TEST(PsorTest, FrictionAllocatesNothingEither) {
-  const Problem problems[] = {open_set("paper/copositive/exp1")->generate(911, 3),
-                              Problem("pile", testing::sphere_pile({.mu = 0.5}))};
-  const auto solver = make_solver(parse_spec("psor{max_iterations=80}"));
-  for (const Problem& problem : problems) {
-    solver->load(problem);
-    Answer answer = solve(*solver);
-    const Vector start = answer.z;
-    EXPECT_EQ(testing::count_allocations([&] { solver->solve({.start = &start}, answer); }), 0) << problem.name();
-  }
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 
 #include "core/error.h"
 #include "core/registry.h"
-#include "generators/sets.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {
@@ -118,28 +116,6 @@ TEST_F(RegularizedTest, TheToleranceIsRelativeToTheData) {
     EXPECT_EQ(solve(problem, "solver=scripted,last=0").claim, Claim::kNumericalFailure) << scale;
     script.bad_answer = 1.5 * (1 + 1e-5);
     EXPECT_EQ(solve(problem, "solver=scripted,last=0,test=original").claim, Claim::kNumericalFailure) << scale;
-  }
-}
-
-// Whether M passes, some M + eps I does, or none.
-TEST_F(RegularizedTest, AllocatesNothingOnAnyStageOfTheLadder) {
-  const Problem none("no solution", Lcp{Matrix::Zero(30, 30), -testing::ones(30)});
-  const Problem singular_inertia = open_set("paper/copositive/exp3")->generate(1, 0);
-  const Problem regular = open_set("paper/copositive/exp2")->generate(1, 0);
-  for (const std::string inner : {"{test=none}", "{test=residual}", "{update=incremental}"}) {
-    for (const std::string test : {"tried", "original", "residual"}) {
-      const auto solver = make_solver(parse_spec("regularized{solver=lemke" + inner + ",test=" + test + "}"));
-      ASSERT_TRUE(solver->capabilities().allocation_free) << inner;
-      for (const Problem& problem : {none, singular_inertia, regular}) {
-        solver->load(problem);
-        Answer answer;
-        answer.reserve(problem);
-        for (int repeat = 0; repeat < 2; ++repeat) {
-          EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0)
-              << inner << " " << test << " " << problem.name() << ": " << answer.detail;
-        }
-      }
-    }
   }
 }
 

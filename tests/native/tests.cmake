@@ -1,15 +1,10 @@
 lcpbench_room(native LINK lcpbench_solver_list lcpbench_native lcpbench_steppers lcpbench_generators lcpbench_evaluation
               lcpbench_statistics)
 foreach(test conformance active_set auto auto_rest auto_scenes bare_claims claims cone_ipm
-        contact_farkas even_impulses exact_search friction_ipm island_units lemke_memory mixed_lcp multifrontal primal_dual
+        contact_farkas even_impulses exact_search friction_ipm mixed_lcp multifrontal primal_dual
         principal_pivoting proximal_newton psor race resumable soft_contacts sparse_pivoting steppers
         velocity_ipm warm_steps)
   lcpbench_test(${test})
-endforeach()
-# An engine's templates, each at a level of its own.
-foreach(test active_set_bounds response rounded_shares)
-  lcpbench_test(${test})
-  set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/${test}_test.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 lcpbench_test(scene_memory SLOW RELEASE_ONLY APART OPTIMIZED  # sanitizers have memory of their own
               LINK lcpbench_solver_list lcpbench_evaluation lcpbench_io)

@@ -5,47 +5,28 @@
 
 #include <gtest/gtest.h>
 
-#include "core/registry.h"
 #include "generators/sets.h"
 #include "native/velocity_ipm/assembly_tree.h"
-#include "study/evaluation/evaluation.h"
-#include "tests/native/allocation_checks.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/brick_wall.h"
+#include "tests/support/contacts.h"
 #include "tests/support/exact_velocity.h"
+#include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
-
-namespace lcpbench {
-SolverDefinition lcpbench_solver_velocity_ipm();
-}
 
 namespace lcpbench::velocity_ipm_test {
 namespace {
 
+using testing::frictionless;
+
 constexpr int kMostSteps = 25;
 
 Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
-  const auto solver = lcpbench_solver_velocity_ipm().make(options);
-  solver->load(problem);
-  Answer answer;
-  solver->solve(request, answer);
-  return answer;
-}
-
-ContactProblem without_friction(Vector v, Matrix N, Inertia inertia) {
-  ContactProblem contact;
-  contact.v = std::move(v);
-  contact.D = Matrix(N.rows(), 0);
-  contact.edges.assign(static_cast<std::size_t>(N.cols()), 0);
-  contact.mu = Vector::Zero(N.cols());
-  contact.N = std::move(N);
-  contact.inertia = std::move(inertia);
-  return contact;
+  return testing::solve(Spec{"velocity_ipm", options}, problem, request);
 }
 
 /// The same problem without its sparsity.
 ContactProblem dense(const ContactProblem& sparse) {
-  return without_friction(sparse.v, to_dense(sparse.N), DenseInertia{dense_inertia(sparse.inertia)});
+  return frictionless(sparse.v, to_dense(sparse.N), DenseInertia{dense_inertia(sparse.inertia)});
 }
 
 TEST(VelocityIpmTest, FinishesThePaperSetsToFullAccuracy) {
@@ -86,23 +67,6 @@ TEST(VelocityIpmTest, ConvergesInAFewStepsAndClaimsOnlyWhatIsTrue) {
   }
 }
 
-// At a tolerance of its own above that of the verdict, what it accepts is no solution yet.
-TEST(VelocityIpmTest, IsTestedWithoutTheFinishToo) {
-  int claimed = 0;
-  for (const char* name : {"paper/monotone/exp5-1e10", "paper/monotone/exp5-1e10{redundancy=combination}",
-                           "paper/monotone/exp2{condition=1e12,redundancy=combination}"}) {
-    const auto set = open_set(name);
-    for (int trial = 0; trial < 200; ++trial) {
-      const Problem problem = set->generate(91, trial);
-      const Answer answer = solve(problem, {{"algebra", "dense"}, {"finish", "false"}, {"accept_residual", "1e-3"}});
-      if (answer.claim != Claim::kSolved) continue;
-      ++claimed;
-      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
-    }
-  }
-  EXPECT_GT(claimed, 100);
-}
-
 // A ball between plates, and normals whose positive combinations span the plane: no velocity parts from all of them.
 TEST(VelocityIpmTest, NeedsNoCentralPath) {
   const Matrix plates = testing::matrix_of(2, {1, -1, 0, 0});
@@ -110,7 +74,7 @@ TEST(VelocityIpmTest, NeedsNoCentralPath) {
   star << 1, -1, 0, 0.5, 0.5, -1;
   for (const Matrix& N : {plates, star}) {
     const Problem problem("caught",
-                          without_friction(testing::vector_of({-0.75, 0.5}), N, DenseInertia{2 * Matrix::Identity(2, 2)}));
+                          frictionless(testing::vector_of({-0.75, 0.5}), N, DenseInertia{2 * Matrix::Identity(2, 2)}));
     const Answer answer = solve(problem, {{"finish", "false"}});
     ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
     EXPECT_LE(answer.counters.iterations, kMostSteps);
@@ -149,7 +113,7 @@ TEST(VelocityIpmTest, SparseAlgebraTakesBodiesOfAnySize) {
       v.tail(ngc) = contact.v;
     }
     const ContactProblem bodies =
-        without_friction(v, N, BlockInertia{{2 * Matrix::Identity(2, 2), Matrix::Identity(3, 3), G}});
+        frictionless(v, N, BlockInertia{{2 * Matrix::Identity(2, 2), Matrix::Identity(3, 3), G}});
     ASSERT_GT(G.rows(), 16) << "no longer than what is summed at once";
     const Answer sparse = solve(Problem("sparse", bodies), {{"algebra", "sparse"}});
     const Answer full = solve(Problem("dense", dense(bodies)));
@@ -174,15 +138,6 @@ TEST(VelocityIpmTest, SolvesAWallOf2400ContactsToFullAccuracy) {
   const Answer unfinished = solve(wall, {{"finish", "false"}});
   EXPECT_EQ(unfinished.claim, Claim::kSolved);
   EXPECT_GE(Evaluator(wall).errors(unfinished).velocity_residual_relative, 1e-12);
-}
-
-TEST(VelocityIpmTest, SolvesAWallOf10000Contacts) {
-  const Problem wall("wall", testing::brick_wall(32, 40));
-  EXPECT_GE(wall.size(), 9900);
-  const Answer answer = solve(wall);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_LE(answer.counters.iterations, kMostSteps);
-  EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1e-11);
 }
 
 /// The lower triangle of the matrix of a grid of side x side points, each tied to its four neighbours, and of as many
@@ -222,80 +177,16 @@ TEST(EliminationOrderTest, OrdersEveryRowOnceAndFillsAGridLessThanItsBand) {
   EXPECT_TRUE(elimination_order(SparseMatrix(0, 0)).empty());
 }
 
-TEST(VelocityIpmTest, UpdateGivesBitForBitWhatLoadGives) {
-  ContactProblem wall = contact_problem(testing::brick_wall(3, 4));
-  for (const bool sparse : {true, false}) {
-    ContactProblem contact = sparse ? wall : dense(wall);
-    const auto solver = lcpbench_solver_velocity_ipm().make({});
-    solver->load(Problem("first", contact));
-    contact.v *= 0.5;
-    contact.v(2) -= 0.125;
-    solver->update(contact.v);
-    Answer updated;
-    solver->solve({}, updated);
-    const Answer loaded = solve(Problem("second", contact));
-    ASSERT_EQ(updated.claim, Claim::kSolved);
-    EXPECT_EQ(updated.z, loaded.z);
-    EXPECT_EQ(updated.velocity, loaded.velocity);
-  }
-}
-
-// Whatever the algebra, the size and the way a solve ends; the second time, when the answer has its storage.
-TEST(VelocityIpmTest, SolvingAllocatesNothing) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  ASSERT_TRUE(lcpbench_solver_velocity_ipm().capabilities.allocation_free);
-  const ContactProblem small = contact_problem(testing::brick_wall(4, 5));
-  const std::vector<Problem> problems{
-      Problem("small", small),
-      Problem("dense", dense(small)),
-      Problem("large", testing::brick_wall(32, 40)),
-      Problem("dense, more than the stack holds", dense(contact_problem(testing::brick_wall(6, 7)))),
-      open_set("paper/monotone/exp5-1e10")->generate(31, 0),
-      open_set("paper/monotone/exp2")->generate(31, 0)};
-  const std::vector<Options> ways{{},
-                                  {{"finish", "false"}},
-                                  {{"max_iterations", "3"}},
-                                  {{"tolerance", "0"}},
-                                  {{"tolerance", "0"}, {"finish", "false"}, {"accept_residual", "0"}},
-                                  {{"algebra", "dense"}, {"finish", "false"}},
-                                  {{"algebra", "sparse"}}};
-  for (const Problem& problem : problems) {
-    for (const Options& options : ways) {
-      if (problem.size() > 1000 && !options.empty() && options.front().first == "algebra") continue;
-      testing::expect_solves_without_allocating(*lcpbench_solver_velocity_ipm().make(options), problem);
-    }
-  }
-}
-
-TEST(VelocityIpmTest, TheFirstTextTakesNoMemoryEither) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  const auto solver = lcpbench_solver_velocity_ipm().make({{"tolerance", "0"}});
-  const Problem wall("wall", testing::brick_wall(4, 5));
-  solver->load(wall);
-  Answer answer;
-  answer.reserve(wall);
-  EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0);
-  EXPECT_EQ(answer.detail, "no step goes further");
-}
-
 TEST(VelocityIpmTest, SaysUnsolvableOnlyWithTheFinishAndSolvedNever) {
   Matrix N(2, 2);
   N << 1, -1, 1, 1;
   Matrix Ginv = Matrix::Identity(2, 2);
   Ginv(1, 1) = 0;
-  const Problem crushed("crushed", without_friction(testing::vector_of({0, -1}), N, InverseInertia{Ginv}));
+  const Problem crushed("crushed", frictionless(testing::vector_of({0, -1}), N, InverseInertia{Ginv}));
   const Answer answer = solve(crushed);
   EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
   EXPECT_TRUE(Evaluator(crushed).check_farkas(answer.farkas));
   EXPECT_NE(solve(crushed, {{"finish", "false"}}).claim, Claim::kSolved);
-}
-
-TEST(VelocityIpmTest, StopsAtItsLimits) {
-  const Problem wall("wall", testing::brick_wall(4, 4));
-  const Answer three = solve(wall, {{"max_iterations", "3"}});
-  EXPECT_EQ(three.claim, Claim::kIterationLimit);
-  EXPECT_EQ(three.counters.iterations, 3);
-  EXPECT_EQ(solve(wall, {}, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
 }
 
 TEST(VelocityIpmTest, RefusesWhatItsAlgebraCannotTake) {

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "core/compliance.h"
 #include "core/contact_problem.h"
 
 // Builders of small contact problems, and draws that are the same everywhere.
@@ -26,6 +27,23 @@ inline ContactProblem frictionless(Vector v, Matrix N, Inertia inertia) {
   problem.N = std::move(N);
   problem.inertia = std::move(inertia);
   return problem;
+}
+
+/// A point of mass 2 that meets the floor z = 0; the friction directions are those of a regular polygon.
+inline ContactProblem point_on_floor(double mu, int edges, const Vector& v) {
+  ContactProblem contact;
+  contact.v = v;
+  contact.N = Matrix{{0.0}, {0.0}, {1.0}};
+  Matrix D = Matrix::Zero(3, edges);
+  for (Index k = 0; k < edges; ++k) {
+    const auto along = edge_direction(k, edges);
+    D.col(k) << along[0], along[1], 0;
+  }
+  contact.D = D;
+  contact.edges = {edges};
+  contact.mu = Vector::Constant(1, mu);
+  contact.inertia = DenseInertia{2 * Matrix::Identity(3, 3)};
+  return contact;
 }
 
 /// The same contacts and inertia, all of them in dense matrices.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cctype>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,10 +22,13 @@ inline Answer solve(Solver& solver, const SolveRequest& request = {}) {
 }
 
 /// By a solver of its own. @param solver  name and settings
-inline Answer solve(const std::string& solver, const Problem& problem, const SolveRequest& request = {}) {
-  const auto made = make_solver(parse_spec(solver));
+inline Answer solve(const Spec& solver, const Problem& problem, const SolveRequest& request = {}) {
+  const auto made = make_solver(solver);
   made->load(problem);
   return solve(*made, request);
+}
+inline Answer solve(const std::string& solver, const Problem& problem, const SolveRequest& request = {}) {
+  return solve(parse_spec(solver), problem, request);
 }
 
 inline std::vector<std::string> native_solvers() {
@@ -33,6 +37,26 @@ inline std::vector<std::string> native_solvers() {
     if (solver.native()) names.push_back(solver.definition.name);
   }
   return names;
+}
+
+/// The paper's sets whose inertia is regular, so that every problem has a solution. Experiment 6 has those of 5.
+inline std::vector<std::string> full_rank_sets() {
+  std::vector<std::string> names{"paper/monotone/exp1", "paper/copositive/exp1"};
+  for (const char* kind : {"monotone", "copositive"}) {
+    for (const char* experiment : {"exp2", "exp5-1e5", "exp5-1e8", "exp5-1e10"}) {
+      for (const char* redundancy : {"multiple", "combination"}) {
+        names.push_back(std::string("paper/") + kind + "/" + experiment + "{redundancy=" + redundancy + "}");
+      }
+    }
+  }
+  return names;
+}
+
+/// The set's name as that of a test.
+inline std::string paper_set_name(const ::testing::TestParamInfo<std::string>& test) {
+  std::string name = test.param.substr(std::string("paper/").size());
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name;
 }
 
 /// Claimed solved, which the evaluation confirms, with a velocity residual of at most `most`.
