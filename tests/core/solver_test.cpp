@@ -143,20 +143,6 @@ TEST(SolverTest, RefusalsAtTheSolveHoldNoAnswer) {
   EXPECT_EQ(answer.farkas.size(), 0);
 }
 
-TEST(AnswerTest, VectorsKeepTheirMemoryWhileTheyAreEmpty) {
-  Answer answer;
-  answer.velocity = Vector::Ones(3);
-  const double* const memory = answer.velocity.data();
-  answer.clear();
-  EXPECT_EQ(answer.velocity.size(), 0);
-  const Vector other = Vector::Ones(3);  // would get the memory if it had been given back
-  answer.velocity = 2 * other;
-  EXPECT_EQ(answer.velocity, 2 * other);
-  EXPECT_EQ(answer.velocity.data(), memory);
-  answer.velocity = Vector::Ones(4);
-  EXPECT_EQ(answer.velocity, Vector::Ones(4));
-}
-
 TEST(SolverTest, NaNAndInfinityAreRefused) {
   Echo echo;
   Answer answer;
