@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "generators/rest/rest.h"
 #include "tests/generators/opened_set.h"
 
 namespace lcpbench::to_problem_test {
