@@ -69,6 +69,7 @@ void expect_no_contradiction(const std::vector<Problem>& problems) {
     for (const Approach approach : {Approach::kLoad, Approach::kUpdate, Approach::kStart}) {
       target.approach = approach;
       for (const auto& [name, subject] : all) {
+        if (approach != Approach::kLoad && (name == "certify" || name == "reader")) continue;  // for them all are one
         std::string detail;
         const Outcome outcome = subject->meet(target, kTimeLimit_s, detail);
         EXPECT_FALSE(contradiction(outcome))
