@@ -32,6 +32,8 @@ RigidContact rigid_contact(const ContactState& state) {
 
 RigidScene rigid_scene(const Snapshot& snapshot) {
   RigidScene scene;
+  scene.bodies.reserve(snapshot.bodies.size());
+  scene.contacts.reserve(snapshot.contacts.size());
   for (const BodyState& body : snapshot.bodies) {
     scene.bodies.push_back(
         {body.mass, symmetric(body.inertia), body.position, body.linear_velocity, body.angular_velocity});

@@ -61,7 +61,7 @@ class SoftStep final : public steppers::BodyStepper {
     }
     for (std::size_t i = 0; i < met.size(); ++i) {
       steppers::StepContact& contact = world.contacts[i];
-      if (contact.bounce > 0 && met[i]) world.solve_normal(contact, {-contact.bounce});
+      if (contact.bounce > 0 && met[i]) world.solve(contact, {-contact.bounce}, false);
     }
   }
 

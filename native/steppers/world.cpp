@@ -6,10 +6,11 @@
 namespace lcpbench::steppers {
 namespace {
 
-Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Vector3d& rotation) {
+void turn(MovingBody& body, const Vector3d& rotation) {
   const double angle = rotation.norm();
-  if (angle == 0) return turn;
-  return (Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)) * turn).normalized();
+  if (angle == 0) return;
+  body.turn = (Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)) * body.turn).normalized();
+  body.rotation = body.turn.toRotationMatrix();
 }
 
 Vector3d rotation_vector(Eigen::Quaterniond turn) {
@@ -19,23 +20,21 @@ Vector3d rotation_vector(Eigen::Quaterniond turn) {
   return 2 * std::atan2(sine, turn.w()) / sine * turn.vec();
 }
 
-Matrix3d cross(const Vector3d& v) {
-  Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
-
-Matrix3d response(const MovingBody& body, const Vector3d& arm) {
-  const Matrix3d r = cross(arm);
-  return body.inverse_mass * Matrix3d::Identity() - r * body.inverse_inertia * r;
+/// Columns: the arm times each row of the frame.
+Matrix3d levers(const Vector3d& arm, const Matrix3d& frame) {
+  Matrix3d result;
+  for (int k = 0; k < 3; ++k) result.col(k) = arm.cross(Vector3d(frame.row(k)));
+  return result;
 }
 
 /// Of [a b; b c].
-double larger_eigenvalue(double a, double b, double c) { return (a + c) / 2 + std::hypot((a - c) / 2, b); }
+double larger_eigenvalue(double a, double b, double c) {
+  return (a + c + std::sqrt((a - c) * (a - c) + 4 * b * b)) / 2;
+}
 
 }  // namespace
 
-void World::load(const StepProblem& step) {
+[[gnu::flatten]] void World::load(const StepProblem& step) {
   const RigidScene& scene = std::get<RigidScene>(step.contacts);
   moves = 0;
   bodies.assign(scene.bodies.size() + 1, {});
@@ -49,7 +48,7 @@ void World::load(const StepProblem& step) {
     body.v = from.linear_velocity - body.force_v;
     body.w = from.angular_velocity - body.force_w;
   }
-  contacts.assign(scene.contacts.size(), {});
+  contacts.resize(scene.contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const RigidContact& from = scene.contacts[i];
     StepContact& contact = contacts[i];
@@ -64,12 +63,17 @@ void World::load(const StepProblem& step) {
       contact.start_b = from.point - scene.bodies[contact.b].position;
     contact.arm_b = contact.start_b;
     contact.gap = contact.start_gap = step.gaps[i];
+    contact.impulse.setZero();
     contact.mu = from.edges > 0 ? from.mu : 0;
     contact.bounce = contact.gap > 0 ? 0 : -from.b;
-    const Matrix3d inverse = contact.frame *
-                             (response(bodies[contact.a], contact.arm_a) + response(bodies[contact.b], contact.arm_b)) *
-                             contact.frame.transpose();
+    contact.lever_a = levers(contact.arm_a, contact.frame);
+    contact.lever_b = levers(contact.arm_b, contact.frame);
+    contact.turn_a = bodies[contact.a].inverse_inertia * contact.lever_a;
+    contact.turn_b = bodies[contact.b].inverse_inertia * contact.lever_b;
+    Matrix3d inverse = contact.lever_a.transpose() * contact.turn_a + contact.lever_b.transpose() * contact.turn_b;
+    inverse.diagonal().array() += bodies[contact.a].inverse_mass + bodies[contact.b].inverse_mass;
     contact.normal_mass = 1 / inverse(0, 0);
+    contact.normal_to_tangents = inverse.col(0).tail<2>();
     contact.tangent_mass = 1 / larger_eigenvalue(inverse(1, 1), inverse(2, 1), inverse(2, 2));
   }
 }
@@ -85,18 +89,18 @@ void World::move(double dt) {
   ++moves;
   for (MovingBody& body : bodies) {
     body.shift += dt * body.v;
-    body.turn = turned(body.turn, dt * body.w);
+    turn(body, dt * body.w);
   }
   update_contacts();
 }
 
 void World::update(StepContact& contact) const {
-  contact.arm_a = bodies[contact.a].turn * contact.start_a;
-  contact.arm_b = bodies[contact.b].turn * contact.start_b;
+  contact.arm_a = bodies[contact.a].rotation * contact.start_a;
+  contact.arm_b = bodies[contact.b].rotation * contact.start_b;
   contact.gap = contact.start_gap + contact.frame.row(0).dot(apart(contact));
 }
 
-void World::update_contacts() {
+[[gnu::flatten]] void World::update_contacts() {
   for (StepContact& contact : contacts) update(contact);
 }
 
@@ -121,29 +125,12 @@ void World::apply(const StepContact& contact, const Vector3d& impulse) {
   b.w -= b.inverse_inertia * contact.arm_b.cross(p);
 }
 
-void World::apply_impulses() {
-  for (const StepContact& contact : contacts) apply(contact, contact.impulse);
+[[gnu::flatten]] void World::apply_impulses() {
+  for (const StepContact& contact : contacts) change(contact, contact.impulse);
 }
 
 void World::clear_impulses() {
   for (StepContact& contact : contacts) contact.impulse.setZero();
-}
-
-void World::solve_normal(StepContact& contact, const Demand& demand) {
-  const double velocity = relative_velocity(contact)(0);
-  const double before = contact.impulse(0);
-  contact.impulse(0) = std::max(
-      0.0, before - contact.normal_mass * demand.mass_scale * (velocity + demand.bias) - demand.impulse_scale * before);
-  apply(contact, {contact.impulse(0) - before, 0, 0});
-}
-
-void World::solve_friction(StepContact& contact) {
-  const Eigen::Vector2d before = contact.impulse.tail<2>();
-  Eigen::Vector2d now = before - contact.tangent_mass * relative_velocity(contact).tail<2>();
-  const double limit = contact.mu * contact.impulse(0);
-  if (now.norm() > limit) now *= limit / now.norm();
-  contact.impulse.tail<2>() = now;
-  apply(contact, {0, now(0) - before(0), now(1) - before(1)});
 }
 
 void World::nudge(StepContact& contact, const Vector3d& p) {
@@ -151,8 +138,8 @@ void World::nudge(StepContact& contact, const Vector3d& p) {
   MovingBody& b = bodies[contact.b];
   a.shift += a.inverse_mass * p;
   b.shift -= b.inverse_mass * p;
-  a.turn = turned(a.turn, a.inverse_inertia * contact.arm_a.cross(p));
-  b.turn = turned(b.turn, b.inverse_inertia * -contact.arm_b.cross(p));
+  turn(a, a.inverse_inertia * contact.arm_a.cross(p));
+  turn(b, b.inverse_inertia * -contact.arm_b.cross(p));
   update(contact);
 }
 
@@ -200,8 +187,9 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
   world_.load(problem);
   for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
     StepContact& contact = world_.contacts[i];
-    const auto known = impulses_.find(problem.ids[i]);
-    if (known == impulses_.end()) continue;
+    const auto known = std::lower_bound(impulses_.begin(), impulses_.end(), problem.ids[i],
+                                        [](const auto& each, ContactId id) { return each.first < id; });
+    if (known == impulses_.end() || known->first != problem.ids[i]) continue;
     contact.impulse = contact.frame * known->second;
     // Where the normal has turned, the last impulse has tangential parts. Without friction no sweep changes these.
     if (contact.mu == 0) contact.impulse.tail<2>().setZero();
@@ -217,8 +205,9 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
   answer.claim = Claim::kIterationLimit;
   for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
     const StepContact& contact = world_.contacts[i];
-    impulses_[problem.ids[i]] = contact.frame.transpose() * contact.impulse;
+    impulses_.emplace_back(problem.ids[i], contact.frame.transpose() * contact.impulse);
   }
+  std::sort(impulses_.begin(), impulses_.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
 }
 
 }  // namespace lcpbench::steppers

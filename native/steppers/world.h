@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/stepper.h"
@@ -19,8 +19,9 @@ struct MovingBody {
   Vector3d w = Vector3d::Zero();
   Vector3d force_v = Vector3d::Zero();  ///< what the forces of the whole step add to v, and to w
   Vector3d force_w = Vector3d::Zero();
-  Vector3d shift = Vector3d::Zero();  ///< [m] of the centre since the step began
+  Vector3d shift = Vector3d::Zero();                         ///< [m] of the centre since the step began
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< rotation since then, in the axes of the world
+  Matrix3d rotation = Matrix3d::Identity();                  ///< the same
 };
 
 /// A contact whose point is fixed in both bodies and whose normal is fixed in space during the step.
@@ -35,8 +36,13 @@ struct StepContact {
   double start_gap = 0;  ///< [m] at the beginning of the step; negative: penetration
   double gap = 0;        ///< [m] now
   double mu = 0;
-  double bounce = 0;  ///< [m/s] the normal velocity after a bounce, 0 where it does not bounce
+  double bounce = 0;                    ///< [m/s] the normal velocity after a bounce, 0 where it does not bounce
   Vector3d impulse = Vector3d::Zero();  ///< [N s] along the rows of the frame
+  Matrix3d lever_a;                     ///< columns: arm_a x each row of the frame
+  Matrix3d lever_b;
+  Matrix3d turn_a;                     ///< change of w that a unit impulse along each row makes
+  Matrix3d turn_b;                     ///< of b, which gets the opposite impulse: -turn_b
+  Eigen::Vector2d normal_to_tangents;  ///< change of the tangential velocity that a unit normal impulse makes
   double normal_mass = 0;
   double tangent_mass = 0;  ///< of the tangent direction that is easiest to move
 };
@@ -88,16 +94,15 @@ class World {
   void apply_impulses();
   void clear_impulses();
 
-  /// One Gauss-Seidel sweep with the round cone: of each contact first the normal, then both tangents at once.
+  /// One Gauss-Seidel sweep with the round cone: of each contact first the normal, then both tangents at once. The
+  /// levers are those at the beginning of the step, as in Box2D 3.
   template <class Rule>
   void sweep(Rule&& rule) {
     for (StepContact& contact : contacts) {
-      solve_normal(contact, rule(static_cast<const StepContact&>(contact)));
-      if (contact.mu > 0) solve_friction(contact);
+      solve(contact, rule(static_cast<const StepContact&>(contact)), contact.mu > 0);
     }
   }
-  void solve_normal(StepContact& contact, const Demand& demand);
-  void solve_friction(StepContact& contact);
+  void solve(StepContact& contact, const Demand& demand, bool friction);
 
   /// Moves the bodies' positions as an impulse moves their velocities, and the contact with them.
   void nudge(StepContact& contact, const Vector3d& world_impulse);
@@ -106,7 +111,42 @@ class World {
   void project_positions(const Projection& projection);
 
   void write(double h, StepAnswer& answer) const;
+
+ private:
+  /// apply() with the levers of load().
+  void change(const StepContact& contact, const Vector3d& impulse);
 };
+
+// A chain of contacts is solved one after the other: what counts is how long a contact takes from the velocities that
+// it reads to those that it writes. So the velocity is read once, and friction knows what the normal impulse does to
+// it.
+[[gnu::flatten]] inline void World::solve(StepContact& contact, const Demand& demand, bool friction) {
+  const MovingBody& a = bodies[contact.a];
+  const MovingBody& b = bodies[contact.b];
+  const Vector3d u =
+      contact.frame * (a.v - b.v) + contact.lever_a.transpose() * a.w - contact.lever_b.transpose() * b.w;
+  Vector3d now = contact.impulse;
+  now(0) = std::max(
+      0.0, now(0) - contact.normal_mass * demand.mass_scale * (u(0) + demand.bias) - demand.impulse_scale * now(0));
+  if (friction) {
+    now.tail<2>() -= contact.tangent_mass * (u.tail<2>() + contact.normal_to_tangents * (now(0) - contact.impulse(0)));
+    const double limit = contact.mu * now(0);
+    if (now.tail<2>().squaredNorm() > limit * limit) now.tail<2>() *= limit / now.tail<2>().norm();
+  }
+  const Vector3d more = now - contact.impulse;
+  contact.impulse = now;
+  change(contact, more);
+}
+
+inline void World::change(const StepContact& contact, const Vector3d& impulse) {
+  MovingBody& a = bodies[contact.a];
+  MovingBody& b = bodies[contact.b];
+  const Vector3d p = contact.frame.transpose() * impulse;
+  a.v += a.inverse_mass * p;
+  a.w += contact.turn_a * impulse;
+  b.v -= b.inverse_mass * p;
+  b.w -= contact.turn_b * impulse;
+}
 
 /// Demand::bias: gap / dt of an open contact; else what takes `erp` of the penetration back in dt, or bounces.
 inline double velocity_bias(const StepContact& contact, double dt, double erp, bool bounces = true) {
@@ -126,7 +166,7 @@ class BodyStepper : public Stepper {
 
  private:
   World world_;
-  std::unordered_map<ContactId, Vector3d> impulses_;  // of the step before, in the axes of the world
+  std::vector<std::pair<ContactId, Vector3d>> impulses_;  // of the step before, in the axes of the world; by id
 };
 
 }  // namespace lcpbench::steppers
