@@ -10,6 +10,7 @@ Units are SI: kg, m, s; velocities m/s and rad/s; impulses N s. Forces are impul
 Every error in an argument is an `InputError` (a ValueError) or a TypeError, one line that names the argument.
 """
 
+from ._audit import Audit, audit
 from ._files import Recorder, Scenes, Step, load, save
 from ._native import InputError, __version__
 from ._problem import Problem
@@ -17,6 +18,6 @@ from ._program import Solver, available_solvers, find_program
 from ._solve import Answer, ContactSolver, Verdict, check, solve
 
 __all__ = [
-    "Answer", "ContactSolver", "InputError", "Problem", "Recorder", "Scenes", "Solver", "Step", "Verdict",
-    "available_solvers", "check", "find_program", "load", "save", "solve",
+    "Answer", "Audit", "ContactSolver", "InputError", "Problem", "Recorder", "Scenes", "Solver", "Step", "Verdict",
+    "audit", "available_solvers", "check", "find_program", "load", "save", "solve",
 ]

@@ -21,11 +21,12 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from . import _files, _native
+from ._audit import of_mujoco as audit
 from ._files import Step
 from ._native import InputError
 from ._problem import Problem
 
-__all__ = ["Recorder", "capture", "shapes"]
+__all__ = ["Recorder", "audit", "capture", "shapes"]
 
 
 def _dense_rows(model: Any, data: Any) -> np.ndarray:

@@ -62,6 +62,7 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "import fclib",
                                 "import other x --out y.scenes",
                                 "import fclib nosuch --out y.scenes",
+                                "audit nosuch.scenes",
                                 "capture stack --out y.json",
                                 "models",
                                 "models nosuch.json",
@@ -163,7 +164,7 @@ TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnErrorAndEndsUpInNoFile) {
 TEST_F(CommandLineTest, HelpIsNoErrorAndNamesEveryCommand) {
   const std::string overview = done("--help");
   EXPECT_EQ(done(""), overview);
-  for (const std::string command : {"solvers", "steppers", "sets",    "generate", "import",  "solve",     "models",
+  for (const std::string command : {"solvers", "steppers", "sets",    "generate", "audit",   "solve",     "models",
                                     "replay",  "shrink",   "certify", "run",      "merge",   "report",    "bench",
                                     "query",   "view",     "inspect", "validate", "compare", "stability", "capture"}) {
     EXPECT_TRUE(contains(overview, "\n  " + command + " ")) << command;
