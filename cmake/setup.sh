@@ -8,7 +8,7 @@ HELPFUL_PACKAGES="ccache"
 # Each of these brings adapters; without it they are left out, and `lcpbench solvers` says so.
 ADAPTER_PACKAGES="libbullet-dev coinor-libipopt-dev libode-dev libsiconos-numerics-dev
   libdart-dev libsimbody-dev libsuitesparse-dev
-  libmujoco-dev libmujoco-samples libhdf5-dev"
+  libmujoco-dev libmujoco-samples"
 
 say() { printf '%s\n' "$@" >&2; }
 

@@ -97,7 +97,6 @@ int run(int argc, const char* const* argv) {
   add("sets", "List every problem set", add_sets_command);
   add("generate", "Write problems of a set as files", add_generate_command);
   add("capture", "Run a physics engine on a scene and write the contact problems of its steps", add_capture_command);
-  add("import", "Turn files of other programs into a scenes file", add_import_command);
   add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
   add("audit", "Count the contacts that an engine left out, and measure what they would change", add_audit_command);
   add("solve", "Solve problem files and verify the answers", add_solve_command);

@@ -5,6 +5,7 @@ import inspect
 import re
 
 import lcpbench
+import lcpbench.fclib
 import lcpbench.mujoco
 
 
@@ -50,9 +51,10 @@ def page():
     yield block(lcpbench.__doc__)
     for name in sorted(lcpbench.__all__, key=str.lower):
         yield from section(name, getattr(lcpbench, name))
-    yield from section("mujoco", lcpbench.mujoco)
-    for each in lcpbench.mujoco.__all__:
-        yield from section(f"mujoco.{each}", getattr(lcpbench.mujoco, each))
+    for name in ("fclib", "mujoco"):
+        yield from section(name, module := getattr(lcpbench, name))
+        for each in module.__all__:
+            yield from section(f"{name}.{each}", getattr(module, each))
     yield "`help(lcpbench.pybullet)`, `help(lcpbench.drake)` and `help(lcpbench.pinocchio)` say the same of other engines."
 
 

@@ -89,7 +89,6 @@ Action add_steppers_command(CLI::App& command);
 Action add_sets_command(CLI::App& command);
 Action add_generate_command(CLI::App& command);
 Action add_capture_command(CLI::App& command);
-Action add_import_command(CLI::App& command);
 Action add_inspect_command(CLI::App& command);
 Action add_audit_command(CLI::App& command);
 Action add_solve_command(CLI::App& command);

@@ -54,10 +54,3 @@ lcpbench_test(external APART AND external_safety
 foreach(test close_parts capture_command capture_files external_engine engine_solver)
   lcpbench_test(${test})
 endforeach()
-
-# Files that fclib itself writes (libfclib-dev).
-find_library(FCLIB_LIBRARY fclib)
-if(TARGET lcpbench_fclib AND FCLIB_LIBRARY)
-  lcpbench_test(fclib APART LINK lcpbench_fclib ${FCLIB_LIBRARY} NEEDS lcpbench lcpbench-import-fclib
-                DEFINE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-endif()

@@ -59,9 +59,6 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "solve --max-velocity-error 0 one.json",
                                 "solve --max-velocity-error 1e-3 --solver auto one.json",
                                 "solve one.json --solver 'external{command=./nowhere}'",
-                                "import fclib",
-                                "import other x --out y.scenes",
-                                "import fclib nosuch --out y.scenes",
                                 "audit nosuch.scenes",
                                 "capture stack --out y.json",
                                 "models",
@@ -164,9 +161,10 @@ TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnErrorAndEndsUpInNoFile) {
 TEST_F(CommandLineTest, HelpIsNoErrorAndNamesEveryCommand) {
   const std::string overview = done("--help");
   EXPECT_EQ(done(""), overview);
-  for (const std::string command : {"solvers", "steppers", "sets",    "generate", "audit",   "solve",     "models",
-                                    "replay",  "shrink",   "certify", "run",      "merge",   "report",    "bench",
-                                    "query",   "view",     "inspect", "validate", "compare", "stability", "capture"}) {
+  for (const std::string command :
+       {"solvers", "steppers", "sets",    "generate",  "audit",   "solve",  "models", "replay",
+        "shrink",  "certify",  "run",     "merge",     "report",  "bench",  "query",  "view",
+        "inspect", "validate", "compare", "stability", "capture"}) {
     EXPECT_TRUE(contains(overview, "\n  " + command + " ")) << command;
     const std::string help = done(command + " --help");
     EXPECT_FALSE(contains(help, std::string(31, ' '))) << "what an option does has one left edge";
