@@ -96,6 +96,7 @@ int run(int argc, const char* const* argv) {
   add("steppers", "List every way to take a time step", add_steppers_command);
   add("sets", "List every problem set", add_sets_command);
   add("generate", "Write problems of a set as files", add_generate_command);
+  add("dataset", "Write captured and made problems with verified answers into a folder", add_dataset_command);
   add("capture", "Run a physics engine on a scene and write the contact problems of its steps", add_capture_command);
   add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
   add("audit", "Count the contacts that an engine left out, and measure what they would change", add_audit_command);

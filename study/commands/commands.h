@@ -91,6 +91,7 @@ Action add_generate_command(CLI::App& command);
 Action add_capture_command(CLI::App& command);
 Action add_inspect_command(CLI::App& command);
 Action add_audit_command(CLI::App& command);
+Action add_dataset_command(CLI::App& command);
 Action add_solve_command(CLI::App& command);
 Action add_shrink_command(CLI::App& command);
 Action add_models_command(CLI::App& command);

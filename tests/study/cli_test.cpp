@@ -60,6 +60,7 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "solve --max-velocity-error 1e-3 --solver auto one.json",
                                 "solve one.json --solver 'external{command=./nowhere}'",
                                 "audit nosuch.scenes",
+                                "dataset d --made -1",
                                 "capture stack --out y.json",
                                 "models",
                                 "models nosuch.json",
@@ -164,7 +165,7 @@ TEST_F(CommandLineTest, HelpIsNoErrorAndNamesEveryCommand) {
   for (const std::string command :
        {"solvers", "steppers", "sets",    "generate",  "audit",   "solve",  "models", "replay",
         "shrink",  "certify",  "run",     "merge",     "report",  "bench",  "query",  "view",
-        "inspect", "validate", "compare", "stability", "capture"}) {
+        "inspect", "validate", "compare", "stability", "capture", "dataset"}) {
     EXPECT_TRUE(contains(overview, "\n  " + command + " ")) << command;
     const std::string help = done(command + " --help");
     EXPECT_FALSE(contains(help, std::string(31, ' '))) << "what an option does has one left edge";
