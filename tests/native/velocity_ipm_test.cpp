@@ -1,6 +1,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -134,10 +135,14 @@ TEST(VelocityIpmTest, SolvesAWallOf2400ContactsToFullAccuracy) {
   EXPECT_TRUE(errors.solved);
   EXPECT_LE(errors.velocity_residual_relative, 1e-12);
   EXPECT_GE(errors.min_z, 0);
-  // The iteration alone stops at its tolerance.
-  const Answer unfinished = solve(wall, {{"finish", "false"}});
-  EXPECT_EQ(unfinished.claim, Claim::kSolved);
-  EXPECT_GE(Evaluator(wall).errors(unfinished).velocity_residual_relative, 1e-12);
+  // The iteration alone stops at its tolerance, and not before.
+  for (const char* tolerance : {"1e-5", "1e-6", "1e-7", "1e-8"}) {
+    const Answer unfinished = solve(wall, {{"finish", "false"}, {"tolerance", tolerance}});
+    EXPECT_EQ(unfinished.claim, Claim::kSolved) << tolerance;
+    const double residual = Evaluator(wall).errors(unfinished).velocity_residual_relative;
+    EXPECT_GE(residual, 1e-12) << tolerance;
+    EXPECT_LE(residual, 1.01 * std::stod(tolerance)) << tolerance;
+  }
 }
 
 /// The lower triangle of the matrix of a grid of side x side points, each tied to its four neighbours, and of as many
