@@ -37,15 +37,14 @@ std::size_t room_behind(int width, std::size_t indent) {
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
-/// The last place in the first `end` bytes behind which a word may be broken: punctuation of names, else an equals sign
-/// or a hyphen between letters, which is no sign of a number.
+/// The last place in the first `end` bytes behind which a word may be broken: punctuation of names, else an equals
+/// sign, or a hyphen or a point between letters, which belong to no number.
 std::size_t last_joint(std::string_view text, std::size_t end) {
-  std::size_t at = text.find_last_of(",{}/", end - 1);
+  std::size_t at = text.find_last_of(",{}/:", end - 1);
   if (at != std::string_view::npos) return at;
   for (at = end; at-- > 0;) {
-    const bool hyphen =
-        text[at] == '-' && at > 0 && is_letter(text[at - 1]) && at + 1 < text.size() && is_letter(text[at + 1]);
-    if (hyphen || text[at] == '=') return at;
+    const bool between_letters = at > 0 && is_letter(text[at - 1]) && at + 1 < text.size() && is_letter(text[at + 1]);
+    if (((text[at] == '-' || text[at] == '.') && between_letters) || text[at] == '=') return at;
   }
   return std::string_view::npos;
 }

@@ -32,9 +32,10 @@ std::size_t character_count(std::string_view text);
 /// The first so many code points of UTF-8 text, or all.
 std::string first_characters(const std::string& text, std::size_t characters);
 
-/// The text with every line that is longer than `width` characters broken at a blank, else behind a comma, brace or
-/// slash, else behind '=' or a hyphen between letters, else anywhere. What continues a line is indented by `hanging`
-/// characters more than the line is. Behind an indent there is room for 8 characters at least, even beyond `width`.
+/// The text with every line that is longer than `width` characters broken at a blank, else behind a comma, brace, colon
+/// or slash, else behind '=', or a hyphen or point between letters, else anywhere. What continues a line is indented by
+/// `hanging` characters more than the line is. Behind an indent there is room for 8 characters at least, even beyond
+/// `width`.
 std::string folded(const std::string& text, int width, std::size_t hanging = 2);
 
 /// make(r) for the largest r <= `rows` and <= `lines` whose text has at most `lines` lines; make(0) where none has.

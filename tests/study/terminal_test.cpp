@@ -74,6 +74,9 @@ TEST(FoldedTest, BreaksAtBlanksElseBehindJointsElseAnywhere) {
   EXPECT_EQ(folded("ill-conditioned", 14, 0), "ill-\nconditioned");
   EXPECT_EQ(folded("precision=double", 15, 0), "precision=\ndouble");
   EXPECT_EQ(folded("diagonal=1e-12}", 13, 0), "diagonal=\n1e-12}") << "a sign is no hyphen";
+  EXPECT_EQ(folded("file:go1.scenes", 14, 0), "file:\ngo1.scenes");
+  EXPECT_EQ(folded("my-robot.scenes 1.5", 12, 0), "my-robot.\nscenes 1.5");
+  EXPECT_EQ(folded("time=12345.678901", 15, 0), "time=\n12345.678901") << "a number stays whole";
   EXPECT_EQ(folded("µµµµ µµµµµ", 10, 0), "µµµµ µµµµµ") << "characters, not bytes";
   EXPECT_EQ(folded("as long as it comes out\n\n", kUnlimited), "as long as it comes out\n\n");
   EXPECT_EQ(folded("a\n\nb", 10), "a\n\nb");
