@@ -64,26 +64,26 @@ void check_solver(const std::string& option, const Spec& stepper) {
   }
 }
 
-/// A way to take steps, and what it is called.
+/// A way to take steps.
 struct NamedStepper {
-  std::string label;
+  std::string label;  ///< as the user spelled it
   std::string stepper;
 };
 
 /// Each once; then the engine's own solver, and the baseline at last. @throws InputError for those that cannot run
 std::vector<NamedStepper> steppers_of(const ReplayArguments& arguments) {
   std::vector<NamedStepper> steppers;
-  const auto add = [&](const std::string& option, const Spec& spec) {
+  const auto add = [&](const char* option, const std::string& label, const Spec& spec) {
     const Spec stepper = canonical_stepper_spec(spec);
-    check_solver(option, stepper);
+    check_solver(fmt::format("{} '{}'", option, label), stepper);
     const std::string text = stepper.text();
     const bool known = std::ranges::find(steppers, text, &NamedStepper::stepper) != steppers.end();
-    if (!known) steppers.push_back({stepper_label(spec), text});
+    if (!known) steppers.push_back({label, text});
   };
   for (const std::string& text : arguments.solvers) {
-    add(fmt::format("--solver '{}'", text), {"exact", {{"solver", parse_spec(text).text()}}});
+    add("--solver", text, {"exact", {{"solver", parse_spec(text).text()}}});
   }
-  for (const std::string& text : arguments.steppers) add(fmt::format("--stepper '{}'", text), parse_spec(text));
+  for (const std::string& text : arguments.steppers) add("--stepper", text, parse_spec(text));
   if (arguments.engine_solver) steppers.push_back({kEngine, kEngine});
   if (steppers.empty()) throw InputError("nothing to replay with: name a --stepper, a --solver, or --engine-solver");
   std::erase_if(steppers, [](const NamedStepper& each) { return each.stepper == kBaseline; });
@@ -213,10 +213,14 @@ void print_scene(const Json& scene) {
                                         {{"energy rise", Align::kRight, 1}, field("energy_rise_j", joules)},
                                         {{"time for 1 s", Align::kRight, 2}, field("cpu_s_per_s", format_seconds)},
                                         {{"parts after", Align::kRight, 3}, field("parts_s", format_seconds)},
-                                        {{"impulses", Align::kLeft, 4}, field("impulses")},
-                                        {{"end", Align::kLeft, 0, 30}, field("end")}};
+                                        {{"impulses", Align::kLeft, 4}, field("impulses")}};
   say_folded("{}:\n", scene["conclusion"].get<std::string>());
-  say(stdout, "{}\n", table_text(columns, scene["replays"]));
+  say(stdout, "{}", table_text(columns, scene["replays"]));
+  for (const Json& replay : scene["replays"]) {
+    const auto end = replay["end"].get<std::string>();
+    if (!end.empty()) say_folded("{}: {}\n", replay["solver"].get<std::string>(), end);
+  }
+  say(stdout, "\n");
 }
 
 constexpr const char* kBuiltinClaims = "claims-of-the-field";

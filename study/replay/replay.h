@@ -26,7 +26,7 @@ inline constexpr const char* kRefused = "refused: ";
 
 /// A scene stepped on in one way.
 struct Replay {
-  std::string solver;  ///< the stepper's label, see stepper_label() of core; "engine": the engine's own
+  std::string solver;  ///< the stepper as the user spelled it; "engine": the engine's own
   std::vector<ReplayStep> steps;
   std::string end;        ///< why it did not come to the last step; "" when it did
   std::string stepper{};  ///< its spec; "engine": the engine's own
