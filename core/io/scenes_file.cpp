@@ -193,10 +193,9 @@ std::size_t ScenesFile::index_of(std::int64_t step) const {
 SceneStep ScenesFile::read(std::size_t index) const {
   SceneStep step = parse_step(line(index), line_of(origin_, index + 2));
   if (step.engine_impulses.size() > 0) {
-    const std::string& version = header_.engine_version;
     step.problem = step.problem.with_engine_answer(
         {step.engine_impulses, step.engine_solve_s.value_or(std::numeric_limits<double>::quiet_NaN()),
-         header_.engine + (header_.engine.empty() || version.empty() ? "" : " ") + version});
+         header_.engine_label()});
   }
   return step;
 }

@@ -31,6 +31,11 @@ struct ScenesHeader {
   std::optional<double> step_length;  ///< [s]
   std::vector<double> gravity;        ///< [m/s^2]: three entries, or none where it is not known
   std::vector<SceneShape> shapes;
+
+  /// Name and version of the engine: "MuJoCo 3.2.7"; "" where it is not known.
+  std::string engine_label() const {
+    return engine + (engine.empty() || engine_version.empty() ? "" : " ") + engine_version;
+  }
 };
 
 /// The largest step number. JSON readers that store numbers as doubles keep every integer up to it.

@@ -482,7 +482,8 @@ int solve(const SolveArguments& arguments) {
     for (const Attempt& each : attempts) {
       one_crashed = one_crashed || each.timed.answer.claim == Claim::kCrashed;
       const Errors& errors = each.judgement.errors;
-      total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, errors.measure(), each.time_s());
+      total.add(each.solver.text(), each.label, file, each.timed.answer.claim, each.verdict, errors.measure(),
+                each.time_s());
       const bool own = each.solver.name == "engine" && each.verdict == Verdict::kWrong && !problem.contact()->is_soft();
       if (own && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
     }

@@ -5,17 +5,16 @@
 
 #include <fmt/format.h>
 
-#include "study/output/columns.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
 #include "study/statistics/statistics.h"
 
 namespace lcpbench {
 
-void SolveTotal::add(const std::string& solver, const std::string& file, Claim claim, Verdict verdict, double error,
-                     double time_s) {
-  auto row = std::ranges::find(rows_, solver, &Row::solver);
-  if (row == rows_.end()) row = rows_.insert(row, Row{.solver = solver});
+void SolveTotal::add(const std::string& solver, const std::string& label, const std::string& file, Claim claim,
+                     Verdict verdict, double error, double time_s) {
+  auto row = std::ranges::find_if(rows_, [&](const Row& each) { return each.solver == solver && each.label == label; });
+  if (row == rows_.end()) row = rows_.insert(row, Row{.solver = solver, .label = label});
   if (claim == Claim::kUnsupported) return;
   ++row->taken;
   row->times.push_back(time_s);
@@ -45,7 +44,7 @@ std::string SolveTotal::text(int width) const {
                    {"median time", TextTable::Align::kRight, 1}});
   std::string commands;
   for (const Row& row : rows) {
-    table.add_row({solver_label(row.solver), format_count(row.solved), format_count(row.unsolvable),
+    table.add_row({row.label, format_count(row.solved), format_count(row.unsolvable),
                    format_count(row.wrong), format_count(row.missed), format_count(problems_ - row.taken),
                    format_seconds(time(row))});
     if (row.worst_file.empty()) continue;

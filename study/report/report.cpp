@@ -52,6 +52,7 @@ Report read_report(Store& store) {
     for (const Cell& cell : cells) report.worst.push_back(worst_problems(cell, problems, kWorst));
   };
   report.summary = summarize(store, collect);
+  report.summary.engine = only_engine(report.summary);
   complete_statistics(report.summary, report.statistics);
   report.situations = decide(report.summary, report.statistics);
   return report;

@@ -9,7 +9,9 @@
 
 #include "core/error.h"
 #include "core/io/scenes_file.h"
+#include "core/utf8.h"
 #include "generators/hard/hard.h"
+#include "generators/scenes/scenes.h"
 #include "study/output/columns.h"
 #include "study/output/explanation.h"
 
@@ -78,6 +80,28 @@ std::string engine_of(const std::string& set) {
   }
 }
 
+std::string only_engine(const Summary& summary) {
+  std::set<std::string> engines;
+  for (const Cell& cell : summary.cells) {
+    if (summary.solvers[cell.solver].name != "engine" || cell.refused()) continue;
+    const std::string& set = summary.sets[cell.set].name;
+    try {
+      const auto collected = std::ranges::find(collected_scenes(), set, &CollectedScene::name);
+      if (collected != collected_scenes().end()) {
+        engines.insert(open_collected(*collected)->header().engine_label());
+      } else {
+        const std::string file = set.substr(set.find(':') + 1);
+        const auto step = scenes_step(file);
+        engines.insert(ScenesFile(step ? step->first : file).header().engine_label());
+      }
+    } catch (const InputError&) {
+      engines.insert("");  // a file that is gone, or of problems
+    }
+    if (engines.size() > 1) return "";
+  }
+  return engines.empty() ? "" : printable(*engines.begin());
+}
+
 std::string soft_engine_note(const Summary& summary) {
   std::set<std::string> notes;
   for (const Cell& cell : summary.cells) {
@@ -117,6 +141,9 @@ std::string solver_label(const Summary& summary, std::size_t solver) {
   const auto namesakes = std::count_if(summary.solvers.begin(), summary.solvers.end(), [&](const SolverRow& other) {
     return other.sweep.empty() && lcpbench::solver_label(other.text()) == label;
   });
+  if (namesakes < 2 && row.name == "engine" && !summary.engine.empty()) {
+    return summary.engine + label.substr(row.name.size());
+  }
   if (namesakes < 2) return label;
   if (label != row.text()) return row.text();  // a name that the user gave twice tells nothing apart
   return row.text() + " (" + (row.isa.empty() ? "" : row.isa + ", ") + row.library + " " + row.version + ")";

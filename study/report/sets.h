@@ -43,6 +43,9 @@ std::optional<SceneName> scene_name(const std::string& set);
 /// it ("mujoco") or the header of the file ("MuJoCo"); "" where it is unknown or the file cannot be read.
 std::string engine_of(const std::string& set);
 
+/// Summary::engine, from the files of the sets that the solver `engine` was asked about.
+std::string only_engine(const Summary& summary);
+
 /// Explains false claims of the solver `engine`, the capturing engine's own answers: most engines soften contacts or
 /// correct penetration on purpose, and are judged on hard contacts. "" where there is nothing to explain.
 std::string soft_engine_note(const Summary& summary);
@@ -61,8 +64,8 @@ std::string family_of(const SetSummary& set);
 /// Does the solver replace the pyramid of some problems of the set by another friction model?
 bool solves_other_model(const SetSummary& set, const SolverRow& solver);
 
-/// SolverRow::text(); followed by instruction-set level, library and version where several solvers of the summary that
-/// are in no sweep have this text.
+/// SolverRow::text(), in which Summary::engine takes the place of `engine`; followed by instruction-set level, library
+/// and version where several solvers of the summary that are in no sweep have this text.
 std::string solver_label(const Summary& summary, std::size_t solver);
 
 }  // namespace lcpbench::report

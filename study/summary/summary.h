@@ -154,6 +154,8 @@ struct Summary {
   std::vector<SolverRow> solvers;  ///< natural order of specs
   std::vector<Cell> cells;         ///< by set, then solver
   std::string reference;  ///< spec that time ratios refer to; "" when the store has none
+  /// Name and version of the one engine whose own answers the solver `engine` stands for; "" for several, or none.
+  std::string engine;
   Coverage coverage;      ///< of what the runs planned
 };
 

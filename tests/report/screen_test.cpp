@@ -50,7 +50,7 @@ class ScreenTest : public ::testing::Test {
 
   /// Every tenth step; the engine's own answer does nothing.
   void write(const std::string& engine, const Inertia& inertia, int steps, int every = 10) {
-    ScenesWriter writer((folder_ / "x.scenes").string(), {.scene = "made", .engine = engine});
+    ScenesWriter writer((folder_ / "x.scenes").string(), {.scene = "made", .engine = engine, .engine_version = "0.1"});
     for (int i = 0; i < steps; ++i) {
       SceneStep step{.step = every * i, .problem = made_step(inertia, i)};
       step.engine_impulses = Vector::Zero(3);
@@ -123,6 +123,7 @@ TEST_F(ScreenTest, RunNamesTheWorstStepsWithCommandsThatRepeatThem) {
   EXPECT_EQ(nlohmann::json::parse(paste(commands[0]))[0]["verdict"], "wrong") << commands[0];
   EXPECT_EQ(nlohmann::json::parse(paste(commands[1]))[0]["verdict"], "missed") << commands[1];
   EXPECT_NE(out.find(commands[0] + "  # wrong by "), std::string::npos) << out;
+  EXPECT_NE(out.find("said solved, and was wrong: my engine 0.1 on 4 of 4"), std::string::npos) << out;
 
   run("report a.db --out r");
   std::istringstream table(read_file(folder_ / "r/tables/results.csv"));
@@ -134,6 +135,7 @@ TEST_F(ScreenTest, RunNamesTheWorstStepsWithCommandsThatRepeatThem) {
     EXPECT_NE(nlohmann::json::parse(paste(line.substr(at)))[0]["verdict"], "solved") << line;
   }
   EXPECT_EQ(replayed, 3) << "engine on the steps, the other solver on both sets";
+  EXPECT_NE(table.str().find("\nfile:x.scenes,my engine 0.1,"), std::string::npos) << table.str();
 }
 
 /// An answer that started from the one before depends on all steps before it.
@@ -160,7 +162,7 @@ TEST_F(ScreenTest, SolveEndsWithOneTotalThatNamesTheWorstSteps) {
   const std::string out = run("solve x.scenes --solver auto --solver engine --solver " + std::string(kSwept));
   const std::string total = out.substr(std::min(out.rfind("4 problems"), out.size()));
   EXPECT_TRUE(std::regex_search(total, std::regex("\nauto +4 +0 +0 +0 "))) << out;
-  EXPECT_TRUE(std::regex_search(total, std::regex("\nengine +0 +0 +4 +0 +0 "))) << out;
+  EXPECT_TRUE(std::regex_search(total, std::regex("\nmy engine 0\\.1 +0 +0 +4 +0 +0 "))) << out;
   EXPECT_TRUE(std::regex_search(total, std::regex("\npsor\\{max_iterations=1\\} +0 +0 +0 +4 +0 "))) << out;
   const std::vector<std::string> commands = commands_of(total);
   ASSERT_EQ(commands.size(), 2U) << total;
