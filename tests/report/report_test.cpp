@@ -303,30 +303,5 @@ TEST_F(QueryTest, AnswersCountWithinEachError) {
   }
 }
 
-TEST_F(QueryTest, TheModelThatAStepNeedsIsTheFirstWithinTheError) {
-  const auto automatic = made_.solver("auto");
-  const auto cone = made_.solver("cone_ipm", "cone=true");
-  const auto older = made_.store().add_solver({"auto", "", "engine=dense", "native", "0.9", "baseline", ""});
-  made_.problem("scene/stack/ode", 0,
-                {{automatic, {.time_s = 1, .model_error_m_per_s = 1e-4}}, {cone, {.model_error_m_per_s = 1e-9}}}, 20);
-  const MadeAnswer coarse{.time_s = 1, .model_error_m_per_s = 0.1};
-  made_.problem("scene/stack/ode", 1,
-                {{automatic, coarse},
-                 {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}},
-                 {older, {.time_s = 5, .model_error_m_per_s = 0.1}}},
-                20);
-  made_.problem("scene/stack/ode", 2, {{automatic, coarse}, {cone, {.time_s = 2, .model_error_m_per_s = 0.2}}}, 20);
-  const Json rows = ask_table("model_choice");
-  ASSERT_EQ(rows.size(), 4U);
-  EXPECT_EQ(rows[0]["solver"], "auto");
-  EXPECT_EQ(rows[0]["spent_s"], 1.0);
-  EXPECT_EQ(rows[1]["version"], "0.9");
-  EXPECT_EQ(rows[1]["spent_s"], 5.0);
-  EXPECT_EQ(rows[2]["solver"], "cone_ipm{cone=true}");
-  EXPECT_EQ(rows[2]["spent_s"], 3.0) << "without the time of the other build";
-  EXPECT_EQ(rows[3]["solver"], "auto");
-  EXPECT_EQ(rows[3]["met"], 0);
-}
-
 }  // namespace
 }  // namespace lcpbench::report_test
