@@ -1,6 +1,6 @@
 """README's pictures from a report's page: pictures.py REPORT.html FILE. Writes FILE-light.webp and FILE-dark.webp.
 
-They show the captured scenes, time per problem against the share solved. Needs Debian's package chromium.
+They show the captured scenes in the first form of the page's picture: time per problem against the error. Needs Debian's package chromium.
 """
 
 import pathlib

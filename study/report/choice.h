@@ -14,8 +14,12 @@ namespace lcpbench::report {
 
 /// Errors that an answer may have to meet: rho of a contact problem, the backward error of a bare LCP. The first stands
 /// for the threshold of the verdict.
-inline constexpr std::array kErrorGrid{kNoNumber, 1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12};
+inline constexpr std::array kErrorGrid{kNoNumber, 1e-1, 1e-2, 1e-3,  1e-4,  1e-5, 1e-6,
+                                       1e-7,      1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
 inline constexpr std::size_t kErrors = kErrorGrid.size();
+
+/// So many problems of a set at most, the first ones, stand in performance profiles.
+inline constexpr std::size_t kProfiled = 200;
 
 /// One solver at single settings on one set. Arrays are by kErrorGrid. A problem that is proven to have no solution
 /// counts neither in `solved` nor in `gave_up`, and in every other count as any problem does.
@@ -32,6 +36,10 @@ struct CellStatistics {
   std::array<std::int64_t, kErrors> wrong{};  ///< said solved, and is neither solved nor within the error
   LogSums time;                   ///< set-up and solve, CPU, of all problems that it took
   double error_p99 = kNoNumber;   ///< of the answers said to be solved; NaN: there are none
+  /// Of each of the first kProfiled problems of the set: 0 where it was not met, was refused, is proven to have no
+  /// solution or has no time; else 32 t + 16 s + e. t is round(200 log10(time / 1 ns)) + 1, s is 1 if the answer is
+  /// solved, and e says how many of kErrorGrid, without its first, the answer is within.
+  std::vector<std::int32_t> profile;
 
   std::int64_t taken() const { return met - refused; }
 };

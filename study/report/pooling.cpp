@@ -1,5 +1,7 @@
 // Counts what choose() pools: the first two functions of decision.h.
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -14,7 +16,7 @@
 namespace lcpbench::report {
 namespace {
 
-using Bits = std::uint8_t;  // one for each of kErrorGrid
+using Bits = std::uint16_t;  // one for each of kErrorGrid
 
 /// One problem as one solver met it, in the terms of the grid of errors.
 struct Mark {
@@ -42,6 +44,14 @@ double rounded(double value) { return std::strtod(fmt::format("{:.9g}", value).c
 
 LogSums rounded(const LogSums& sums) { return {sums.n, rounded(sums.sum), rounded(sums.square_sum)}; }
 
+/// An entry of CellStatistics::profile.
+std::int32_t profile_code(const Mark& mark) {
+  if (!mark.taken || mark.unsolvable || !std::isfinite(mark.log_time)) return 0;
+  const double hundredths = std::round(200 * (mark.log_time / std::log(10.0) + 9));
+  const auto time = static_cast<std::int32_t>(std::clamp(hundredths, 0.0, 1e4)) + 1;
+  return 32 * time + 16 * (mark.solved & 1) + std::popcount(static_cast<Bits>(mark.solved >> 1));
+}
+
 CellStatistics cell_statistics(const Summary& summary, const Cell& cell, const std::vector<Mark>& marks) {
   CellStatistics statistics{.set = cell.set, .solver = cell.solver};
   statistics.other_model = solves_other_model(summary.sets[cell.set], summary.solvers[cell.solver]);
@@ -60,6 +70,8 @@ CellStatistics cell_statistics(const Summary& summary, const Cell& cell, const s
     if (std::isfinite(mark.log_time)) statistics.time.add(mark.log_time);
   }
   statistics.time = rounded(statistics.time);
+  for (std::size_t i = 0; i < std::min(marks.size(), kProfiled); ++i)
+    statistics.profile.push_back(profile_code(marks[i]));
   return statistics;
 }
 

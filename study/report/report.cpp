@@ -74,7 +74,7 @@ Coverage write_report(Store& store, const std::filesystem::path& folder, const s
   for (const report::TableQuery& query : report::kTableQueries) {
     const report::QueryResult result = report::run_query(store.database(), query.name, query.sql);
     write_file(folder / "tables" / (std::string(query.name) + ".csv"), csv_table(result.columns, result.rows));
-    document["tables"].push_back(report::table_json(query, result));
+    if (Json table = report::table_json(query, result); table.contains("rows")) document["tables"].push_back(table);
     if (result.rows.empty() || !std::string_view(query.name).starts_with("paper-")) continue;
     document["paper"]["tables"].push_back(query.name);
     if (query.name == std::string_view("paper-claims")) document["paper"]["claims"] = report::records_of(result);

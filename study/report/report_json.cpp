@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/registry.h"
 #include "study/paper/records.h"
 #include "study/report/model_errors.h"
 #include "study/report/report.h"
@@ -77,11 +78,16 @@ Json solvers_json(const Summary& summary) {
   for (std::size_t i = 0; i < summary.solvers.size(); ++i) {
     const SolverRow& solver = summary.solvers[i];
     if (!solver.sweep.empty()) continue;
+    const auto known = std::ranges::find(registered_solvers(), solver.name,
+                                         [](const RegisteredSolver& each) { return each.definition.name; });
+    const bool here = known != registered_solvers().end();
     solvers.push_back({{"spec", solver.text()},
                        {"label", solver_label(summary, i)},
                        {"name", solver.name},
                        {"settings", solver.settings},
                        {"all_settings", solver.all_settings},
+                       {"summary", here ? known->definition.summary : ""},
+                       {"source", here ? known->definition.source : ""},
                        {"library", solver.library},
                        {"version", solver.version},
                        {"isa", solver.isa},
@@ -114,7 +120,8 @@ Json statistics_of_cells(const Report& report, const std::map<std::size_t, std::
                        {"time_n", cell.time.n},
                        {"time_log_sum", cell.time.sum},
                        {"time_log_square_sum", cell.time.square_sum},
-                       {"error_p99", cell.error_p99}});
+                       {"error_p99", cell.error_p99},
+                       {"profile", cell.profile}});
   }
   return records;
 }

@@ -90,14 +90,14 @@ TEST(ReliabilityTest, RefusalsAreNoFailuresAndAreSaid) {
 /// A solver that errors of 1e-3 satisfy is another than the one for 1e-9.
 TEST(ReliabilityTest, TheErrorDecidesWhoSolved) {
   CellStatistics rough = made_cell(100, 100, 0);
-  for (std::size_t error = 3; error < report::kErrors; ++error) rough.solved[error] = 0;
+  for (std::size_t error = 4; error < report::kErrors; ++error) rough.solved[error] = 0;
   Statistics statistics;
   statistics.cells = {rough, made_cell(100, 100)};
   statistics.plans.resize(1);
   statistics.cells[0].time.sum -= 100;
   statistics.cells[1].solver = 1;
-  EXPECT_EQ(choose(statistics, {0}, {0, 1}, 2).contenders[0].solver, 0U);
-  EXPECT_EQ(choose(statistics, {0}, {0, 1}, 3).contenders[0].solver, 1U);
+  EXPECT_EQ(choose(statistics, {0}, {0, 1}, 3).contenders[0].solver, 0U);
+  EXPECT_EQ(choose(statistics, {0}, {0, 1}, 4).contenders[0].solver, 1U);
 }
 
 class EndorsementTest : public ::testing::Test {

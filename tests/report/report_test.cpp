@@ -295,8 +295,8 @@ TEST_F(QueryTest, AnswersCountWithinEachError) {
   made_.problem("paper/monotone/exp1", 1, {{rough, {.error = 1e-7}}});
   const Json rows = ask_table("within_error");
   ASSERT_EQ(rows.size(), report::kErrors);
-  const std::vector<int> solved{1, 2, 1, 1, 0, 0, 0, 0};
-  const std::vector<int> wrong{1, 0, 1, 1, 1, 1, 1, 1};
+  const std::vector<int> solved{1, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0};
+  const std::vector<int> wrong{1, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i]["solved"], solved[i]) << i;
     EXPECT_EQ(rows[i]["wrong"], wrong[i]) << i;

@@ -35,7 +35,7 @@ const page = `<!DOCTYPE html>
 <style>${style.text.trim()}</style>
 </head>
 <body>
-<noscript>This page needs JavaScript. The folder tables/ beside it holds the same numbers as CSV files.</noscript>
+<noscript>This page needs JavaScript. The folder tables/ that lcpbench report writes holds its numbers as CSV files.</noscript>
 <script type="application/json" id="report">@report@</script>
 <script>${code}</script>
 </body>

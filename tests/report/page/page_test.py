@@ -139,12 +139,19 @@ class PageTest(unittest.TestCase):
 
     def test_the_recommendation_follows_the_error(self):
         self.browser.run("document.getElementById('error').focus()")
+        self.assertIn("1e-4", self.text("output"))
         seen = [self.decisions()]
         errors = json.loads((self.study.report / "report.json").read_text())["errors"]
+        self.assertEqual(errors, [None, *(float(f"1e-{power}") for power in range(1, 13))])
+        top = self.browser.run("document.getElementById('error').getBoundingClientRect().y")
+        for _ in range(4):  # three steps to 1e-1, which is the end
+            self.browser.press("ArrowLeft")
         for error in errors[1:]:
-            self.browser.press("ArrowRight")
+            self.assertEqual(float(self.text("output")), error)
             self.assertEqual(self.decisions(), self.study.recommended(error))
+            self.assertEqual(self.browser.run("document.getElementById('error').getBoundingClientRect().y"), top)
             seen.append(self.decisions())
+            self.browser.press("ArrowRight")
         self.assertGreater(len({json.dumps(each) for each in seen}), 1, "some recommendation changes")
         address = self.browser.run("location.href")
         self.assertIn("error=1e-12", address)
@@ -211,6 +218,98 @@ class PageTest(unittest.TestCase):
                         self.assertEqual(ours[name], value, (name, selection))
         seen = {"reliable", "unsolved", "few_problems", "small_sample", "other_model"}
         self.assertLessEqual(seen | ({"false_claims", "some_sets"} if self.liar else set()), grounds)
+
+    def test_back_returns_to_the_choice_before(self):
+        chosen = self.decisions()
+        self.browser.run("document.getElementById('error').focus()")
+        self.browser.press("ArrowRight")
+        self.push(".controls button", "Only other libraries")
+        self.browser.run("document.querySelector('.dot').dispatchEvent(new Event('click'))")
+        for address, dialog in (("#error=1e-5&solver=", True), ("#error=1e-5&solver=", False), ("#error=1e-5", False),
+                                ("", False)):
+            self.browser.wait(f"location.hash.startsWith('{address}') && "
+                              f"Boolean(document.querySelector('dialog')) === {json.dumps(dialog)}")
+            if address:
+                self.browser.run("history.back()")
+        self.assertEqual(self.decisions(), chosen)
+
+    def test_a_click_leaves_other_libraries_only(self):
+        solvers = json.loads((self.study.report / "report.json").read_text())["solvers"]
+        others = {each["label"] for each in solvers if each["library"] != "native"}
+        box = """[...document.querySelectorAll('.libraries label')].find((each) => each.textContent === 'lcpbench')
+          ?.querySelector('input')"""
+        if not others:
+            self.assertIsNone(self.browser.run(box), "there is nothing to choose")
+            self.skipTest("Bullet's worker is not built")
+        self.push(".controls button", "Only other libraries")
+        chosen = self.browser.run("""[...document.querySelectorAll('#solvers .check')]
+          .filter((each) => each.querySelector('input').checked).map((each) => each.textContent)""")
+        self.assertEqual(set(chosen), others)
+        self.assertFalse(self.browser.run(f"{box}.checked"))
+        self.browser.run(f"{box}.click()")
+        self.assertEqual(self.browser.run("location.hash"), "", "all solvers again")
+
+    def test_a_solver_says_what_it_is_and_where_it_is_to_be_had(self):
+        solvers = json.loads((self.study.report / "report.json").read_text())["solvers"]
+        links = {"lemke": "scholar.google.com", self.liar: "github.com/bulletphysics"}
+        for name in filter(None, links):
+            self.open(self.study, f"#solver={name}&contacts=Other+scenes")
+            self.browser.run("document.querySelector('.dot').dispatchEvent(new Event('click'))")
+            solver = next(each for each in solvers if each["label"] == name)
+            self.assertIn(f"{solver['summary'][1:]}; it is a part of ", self.text("dialog p"))
+            self.assertIn(solver["version"], self.text("dialog p"))
+            self.assertIn(links[name], self.browser.run("document.querySelector('dialog p a').href"))
+
+    # --- pictures ---
+
+    def lines(self, form):
+        """Of the picture of all scenes in this form each solver's label and its line: [x, y] in units of the axes."""
+        self.open(self.study, f"#contacts=Other+scenes&y={form}")
+        return self.browser.run("""(() => { const svg = document.querySelector('.pictures svg');
+          return [...svg.querySelectorAll('path.dot')].map((path) => [path.ariaLabel.split(';')[0],
+            path.getAttribute('d').match(/[-\\d.e]+/g).map(Number).reduce((points, value, i) => {
+              i % 2 ? points.at(-1).push(svg.scale('y').invert(value)) : points.push([svg.scale('x').invert(value)]);
+              return points; }, [])]); })()""")
+
+    def test_shares_over_errors_are_those_of_the_tables(self):
+        sets = [row["set"] for row in self.study.table("coverage") if row["kind"] == "scenes"]
+        counts = {}
+        for row in self.study.table("within_error"):
+            if row["set"] in sets and row["error"]:
+                at = counts.setdefault(row["solver"], {}).setdefault(float(row["error"]), [0, 0])
+                at[0] += int(row["solved"])
+                at[1] += int(row["of"])
+        lines = dict(self.lines("share"))
+        self.assertEqual(lines.keys(), counts.keys())
+        for solver, line in lines.items():
+            for (error, share), (solved, of) in zip(line, counts[solver].values(), strict=True):
+                self.assertAlmostEqual(share, solved / of, delta=0.005, msg=f"{solver}, {error}")
+
+    def test_the_profile_counts_times_of_the_fastest(self):
+        """From the store: of each solver the share of problems that it solved in at most twice the least time."""
+        answers = json.loads(run(LCPBENCH, "query", self.study.store, self.profile_query(), "--format", "json"))
+        least = {}
+        for row in answers:
+            if row["solved"]:
+                least[row["problem"]] = min(least.get(row["problem"], math.inf), row["time"])
+        lines = dict(self.lines("profile"))
+        for solver in {row["solver"] for row in answers}:
+            own = [row for row in answers if row["solver"] == solver]
+            for factor in (1, 2, 10):
+                low, high = (sum(bool(row["solved"]) and row["time"] <= factor * wide * least[row["problem"]]
+                                 for row in own) / len(own) for wide in (0.98, 1.02))
+                drawn = max(y for x, y in lines[solver] if x <= factor * 1.001)
+                self.assertTrue(low - 0.005 <= drawn <= high + 0.005, f"{solver}, {factor}: {low} {drawn} {high}")
+
+    def profile_query(self):
+        file = self.folder / "profile.sql"
+        file.write_text("""SELECT v.label AS solver, j.problem_id AS problem, j.verdict = 'solved' AS solved,
+            t.setup_cpu_s + t.solve_cpu_s AS time
+          FROM judged j JOIN sets ON sets.id = j.set_id JOIN set_facts f ON f.name = sets.name AND f.kind = 'scenes'
+          JOIN solvers s ON s.id = j.solver_id
+          JOIN solver_facts v ON v.name = s.name AND v.settings = s.settings
+          JOIN timings t USING (problem_id, solver_id, part) WHERE j.claim <> 'unsupported'""")
+        return file
 
     # --- point ---
 
@@ -294,9 +393,9 @@ class PageTest(unittest.TestCase):
     # --- scenes ---
 
     def test_the_report_has_its_scenes(self):  # scene_test.py says more
-        self.assertFalse(self.browser.run("Boolean(document.querySelector('#scenes canvas'))"))
-        self.browser.run("document.querySelector('#scenes details').open = true")
-        self.browser.wait("document.querySelectorAll('#scenes canvas').length === 2")
+        self.assertFalse(self.browser.run("Boolean(document.querySelector('#scenes canvas'))"), "it is below the window")
+        self.browser.run("document.querySelector('#scenes').scrollIntoView()")
+        self.browser.wait("document.querySelectorAll('#scenes canvas').length >= 2")
         self.browser.wait("document.querySelector('#scenes canvas').width > 300")
 
     # --- tables ---
@@ -348,7 +447,7 @@ class PageTest(unittest.TestCase):
 
     def test_a_phone_needs_no_sideways_scrolling(self):
         self.browser.resize(390, 844, phone=True)
-        for choice in ("", "#contacts=Frictionless&y=error"):
+        for choice in ("", "#contacts=Frictionless&y=share", "#contacts=Frictionless&y=profile"):
             self.open(self.study, choice)
             self.browser.run("document.querySelectorAll('details').forEach((each) => (each.open = true))")
             self.browser.run("new Promise((done) => setTimeout(done, 200))")

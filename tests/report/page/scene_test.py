@@ -168,6 +168,24 @@ class SceneTest(unittest.TestCase):
         self.assertIn("0.77 s of 1.01 s", self.text("output"))
         self.assertIn("8 m", self.text("tbody"))
 
+    def test_the_picture_has_room_for_the_scene_over_all_steps(self):
+        self.open("film.html")
+        for picture, time_s in ((0, 0), (1, 0), (1, 0.5), (1, 1.01)):
+            self.browser.run(f"""(() => {{ const slider = document.querySelector("input[type=range]"); slider.value = {time_s};
+              slider.dispatchEvent(new Event("input")); }})()""")
+            inner, edge = self.browser.run("""(() => {
+              const canvas = document.querySelectorAll("canvas")[%d];
+              const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+              const counts = [0, 0];  // of drawn pixels
+              for (let i = 0; i < data.length / 4; ++i) {
+                const [x, y] = [i %% canvas.width, Math.floor(i / canvas.width)];
+                const at_edge = x === 0 || y === 0 || x === canvas.width - 1 || y === canvas.height - 1;
+                if (data[4 * i + 3] > 0) ++counts[Number(at_edge)];
+              }
+              return counts; })()""" % picture)
+            self.assertGreater(inner, 100, (picture, time_s))
+            self.assertEqual(edge, 0, (picture, time_s))
+
     def test_a_saved_table_runs_no_formula(self):
         self.open("film.html")
         self.browser.send("Browser.setDownloadBehavior", session=None, behavior="allow", downloadPath=str(self.folder))

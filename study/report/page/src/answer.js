@@ -133,7 +133,7 @@ export function mountAnswer(page, { text, table, below }) {
   below.append(caught(page), ...report.notes.map((note) => h("p", { class: "note" }, note)),
     h("p", { class: "note plan" }, planText(report.plan)), queryFold(tableOf(report, "decision").sql));
   return (choices) => {
-    text.replaceChildren(...sentence(page, choices));
+    text.replaceChildren(h("span", null, sentence(page, choices)));
     table.replaceChildren(decisionTable(page, choices));
   };
 }

@@ -1,8 +1,8 @@
 // The controls, and what follows from them: pictures and the comparison of all solvers.
 
-import { code, h } from "./dom.js";
-import { legend, picture } from "./picture.js";
-import { openPoint, recordColumns, settingsNote } from "./point.js";
+import { code, h, small } from "./dom.js";
+import { forms, legend, picture } from "./picture.js";
+import { libraryOf, openPoint, origin, ours, recordColumns } from "./point.js";
 import { dataTable } from "./table.js";
 import { factorText, standing } from "./words.js";
 
@@ -12,14 +12,18 @@ function labelled(text, control) {
   return h("label", { class: "control" }, h("span", null, text), control);
 }
 
+/** From 1e-1 down; until it is moved it stands at the verdict's 1e-4. */
 function errorSlider(page) {
   const { report, state } = page;
   const output = h("output");
-  const slider = h("input", { type: "range", min: 0, max: report.errors.length - 1, step: 1, id: "error",
-    oninput: () => state.change({ error: Number(slider.value) }) });
+  const verdict = report.errors.indexOf(1e-4);
+  let moving = false;
+  const slider = h("input", { type: "range", min: 1, max: report.errors.length - 1, step: 1, id: "error",
+    oninput: () => (state.change({ error: Number(slider.value) }, moving), (moving = true)),
+    onchange: () => (moving = false) });
   state.follow(() => {
-    slider.value = String(state.error);
-    const text = state.errorText || "as the verdict asks (1e-4)";
+    slider.value = String(state.error || verdict);
+    const text = state.errorText || "1e-4, as the verdict asks";
     output.textContent = text;
     slider.setAttribute("aria-valuetext", text);
   });
@@ -95,9 +99,33 @@ function setsFold({ report, state }) {
   return details;
 }
 
+/** A checkbox a library, and a button that leaves our own solvers out. */
+function libraries({ report, state }) {
+  const names = [...new Set(report.solvers.map(libraryOf))].sort();
+  if (names.length < 2) return null;
+  const all = [...report.solvers.keys()];
+  const isChosen = (i) => !state.solvers || state.solvers.has(i);
+  const choose = (chosen) => {
+    const solvers = all.filter(chosen);
+    state.change({ solvers: solvers.length === all.length ? null : new Set(solvers) });
+  };
+  const boxes = names.map((name) => {
+    const isOurs = (i) => libraryOf(report.solvers[i]) === name;
+    const box = h("input", { type: "checkbox", onchange: () => choose((i) => (isOurs(i) ? box.checked : isChosen(i))) });
+    state.follow(() => {
+      const count = all.filter((i) => isOurs(i) && isChosen(i)).length;
+      box.checked = count > 0;
+      box.indeterminate = count > 0 && count < all.filter(isOurs).length;
+    });
+    return h("label", { class: "check" }, box, name);
+  });
+  return h("fieldset", { class: "libraries" }, h("legend", { class: "offscreen" }, "Libraries"), boxes,
+    h("button", { type: "button", onclick: () => choose((i) => libraryOf(report.solvers[i]) !== ours) },
+      "Only other libraries"));
+}
+
 function solversFold({ report, state }) {
-  const entries = report.solvers.map(({ label, library }) =>
-    ({ name: label, group: library === "native" ? "lcpbench" : library }));
+  const entries = report.solvers.map((solver) => ({ name: solver.label, group: libraryOf(solver) }));
   return checkFold(state, "solvers", entries,
     () => `Solvers: ${state.solvers ? `${state.solvers.size} of` : "all"} ${entries.length}`,
     (i) => !state.solvers || state.solvers.has(i),
@@ -106,10 +134,11 @@ function solversFold({ report, state }) {
 
 export function controls(page) {
   const { state } = page;
-  const start = { error: 0, at: "all", sets: [], solvers: null, reference: null, y: "share" };
+  const start = { error: 0, at: "all", sets: [], solvers: null, reference: null, y: "error" };
   const reset = h("button", { type: "button", onclick: () => state.change(start) }, "Reset");
   return h("form", { class: "controls", "aria-label": "Ask", onsubmit: (event) => event.preventDefault() },
-    errorSlider(page), contactsSelect(page), referenceSelect(page), reset, setsFold(page), solversFold(page));
+    errorSlider(page), contactsSelect(page), referenceSelect(page), reset, libraries(page), setsFold(page),
+    solversFold(page));
 }
 
 /** All solvers on one selection. */
@@ -121,7 +150,7 @@ function contenders(page, view, choice) {
   const columns = [
     { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].label, show: (record) => [
       h("button", { type: "button", class: "link", onclick: () => openPoint(page, view.title, choice, record) },
-        code(report.solvers[record.solver].label)), settingsNote(report.solvers[record.solver])] },
+        code(report.solvers[record.solver].label)), small(origin(report.solvers[record.solver]))] },
     { name: "standing", title: "Standing", value: (record) => standing(record, choice) },
     ...recordColumns(report.rule.least_problems),
     { name: "factor", title: over === null ? "Factor" : `Over ${report.solvers[over].label}`, number: true,
@@ -137,16 +166,17 @@ function contenders(page, view, choice) {
 /** The pictures and, for one selection, all its solvers. */
 export function mountPictures(page, element) {
   const { state } = page;
-  const radio = (value, text) => h("label", null,
-    h("input", { type: "radio", name: "y", value, onchange: () => state.change({ y: value }) }), text);
-  const axis = h("div", { class: "axis", role: "radiogroup", "aria-label": "Upwards" }, "Upwards",
-    radio("share", "share solved"), radio("error", "error of 99 % of the answers"));
+  const axis = h("div", { class: "axis", role: "radiogroup", "aria-label": "Picture" },
+    Object.entries(forms).map(([y, [words]]) => h("label", null,
+      h("input", { type: "radio", name: "y", value: y, onchange: () => state.change({ y }) }), words)));
   const pictures = h("div", { class: "pictures" });
   const rest = h("div");
-  element.append(axis, pictures, legend(), rest);
+  const words = h("div");
+  element.append(axis, pictures, words, rest);
   return (choices) => {
     for (const input of axis.querySelectorAll("input")) input.checked = input.value === state.y;
     const alone = choices.length === 1;
+    words.replaceChildren(legend(state.y));
     pictures.replaceChildren(...choices.map(([view, choice]) => picture(page, view, choice, alone)));
     rest.replaceChildren(...(alone ? contenders(page, ...choices[0]) : []));
   };

@@ -8,18 +8,27 @@ export function h(tag, attributes, ...children) {
   return element;
 }
 
-/** Attributes, and what begins with "on" as listeners; null, undefined and false are left out. */
+/** Attributes, and what begins with "on" as listeners; null, undefined and false are left out. @returns the element */
 export function setAttributes(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) {
     if (value === null || value === undefined || value === false) continue;
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
     else element.setAttribute(name, value === true ? "" : value);
   }
+  return element;
 }
 
+const smallNumber = /(\d(?:\.\d+)?e-\d+)/;
+
+/** Browsers break a line behind any hyphen: a number such as 5.4e-2 becomes an element that stays whole. */
 function append(element, children) {
   for (const child of children) {
     if (Array.isArray(child)) append(element, child);
+    else if (typeof child === "string" && smallNumber.test(child) && element.tagName !== "OPTION") {
+      const whole = (text) => setAttributes(document.createElement("span"), { class: "whole" }).appendChild(
+        document.createTextNode(text)).parentNode;
+      element.append(...child.split(smallNumber).map((part, i) => (i % 2 ? whole(part) : part)));
+    }
     else if (child !== null && child !== undefined && child !== false) element.append(child);
   }
 }

@@ -28,8 +28,8 @@ function reportPage(main) {
   const text = h("p", { class: "sentence", role: "status", "aria-live": "polite" });
   const table = h("div");
   const below = h("div");
-  const pictures = section("pictures", "Time and success", prose(PROSE.pictures, report.rule));
-  main.append(h("h1", null, "Which solver should turn contacts into impulses?"), text, controls(page),
+  const pictures = section("pictures", "Speed, error and success", prose(PROSE.pictures, report.rule));
+  main.append(h("h1", null, "Which solver should turn contacts into impulses?"), controls(page), text,
     h("section", { id: "answer", "aria-label": "Whom to use for what" }, table, below), pictures);
   const showAnswer = mountAnswer(page, { text, table, below });
   const showPictures = mountPictures(page, pictures);

@@ -2,10 +2,38 @@
 
 import { code, copyButton, h, small } from "./dom.js";
 import { count, counted, duration, durationRange, percentRange, scientific, share } from "./format.js";
-import { dataTable, records, tableOf } from "./table.js";
+import { dataTable, records } from "./table.js";
 import { factorText, standing } from "./words.js";
 
 const worstShown = 10;
+export const ours = "lcpbench";
+
+/** The library that a solver belongs to; ours is the program's own name. */
+export const libraryOf = ({ library }) => (library === "native" ? ours : library);
+export const origin = (solver) => [libraryOf(solver), solver.version].filter(Boolean).join(" ");
+
+/** Where libraries are to be had: an address, and Debian's package. */
+const homes = {
+  Bullet: ["https://github.com/bulletphysics/bullet3", "libbullet-dev"], ODE: ["https://www.ode.org", "libode-dev"],
+  Ipopt: ["https://github.com/coin-or/Ipopt", "coinor-libipopt-dev"], DART: ["https://dartsim.github.io", "libdart-dev"],
+  "Siconos numerics": ["https://github.com/siconos/siconos", "libsiconos-numerics-dev"],
+  Simbody: ["https://github.com/simbody/simbody", "libsimbody-dev"],
+  SuiteSparse: ["https://github.com/DrTimothyAldenDavis/SuiteSparse", "libsuitesparse-dev"],
+  PATH: ["https://pages.cs.wisc.edu/~ferris/path.html"],
+};
+
+/** What a solver is and where it is to be had, in one sentence. */
+function whatItIs(solver) {
+  const [address, debian] = homes[solver.library] ?? [];
+  const link = address && h("a", { href: address, rel: "noreferrer" }, address.replace(/^https:\/\//, ""));
+  const scholar = `https://scholar.google.com/scholar?q=${encodeURIComponent(solver.source)}`;
+  const words = solver.summary || "a solver that this program does not know";
+  return h("p", null, words.charAt(0).toUpperCase() + words.slice(1), ...(
+    solver.library === "native" ? [`; it is a part of ${origin(solver)}, after `,
+      h("a", { href: scholar, rel: "noreferrer" }, solver.source), "."]
+      : link ? [`; it is a part of ${origin(solver)}, from `, link, debian && [", in Debian the package ", code(debian)], "."]
+        : ["."]));
+}
 
 /** What a dot says: [[term, text], ...]. */
 function pointFacts(page, choice, record) {
@@ -96,8 +124,7 @@ function worstList(page, solver, sets) {
 function setTable(page, record, error) {
   const { report, statistics } = page;
   const name = ({ cells: [{ set }] }) => report.sets[set].name;
-  const rows = tableOf(report, "results").rows ? records(report, "results") : [];  // none: they are in a file
-  const own = new Map(rows.filter(({ solver }) => solver === report.solvers[record.solver].label).map((row) => [row.set, row]));
+  const own = new Map(records(report, "results").filter(({ solver }) => solver === report.solvers[record.solver].label).map((row) => [row.set, row]));
   const median = (title, column, value = (each) => own.get(name(each))?.[column]) =>
     ({ name: column, title, unit: "m/s, median", number: true, value, show: (each) => scientific(value(each)) });
   const columns = [{ name: "set", title: "Set", value: name, show: (each) => code(name(each)) },
@@ -118,19 +145,23 @@ export function openPoint(page, title, choice, record) {
       factorText(page.statistics.factor(choice.sets, choice.error, over, record.solver)), ", against ",
         code(page.report.solvers[over].label)]],
     ["Settings", solver.settings || "the defaults"],
-    ["Library", [solver.library, solver.version].filter(Boolean).join(" ")],
+    ["Library", origin(solver)],
   ].filter(Boolean);
-  const dialog = h("dialog", { class: "point", "aria-labelledby": "point-title", onclose: () => dialog.remove(),
+  const back = () => dialog.close();
+  const dialog = h("dialog", { class: "point", "aria-labelledby": "point-title", onclose: () => {
+    dialog.remove();
+    removeEventListener("popstate", back);
+    if (history.state === "dialog") history.back();
+  },
     onclick: (event) => event.target === dialog && dialog.close() },
     h("header", null, h("h2", { id: "point-title" }, code(solver.label)),
       h("button", { type: "button", class: "close", onclick: () => dialog.close() }, "Close")),
-    h("dl", null, facts.map(([term, text]) => [h("dt", null, term), h("dd", null, text)])),
+    whatItIs(solver), h("dl", null, facts.map(([term, text]) => [h("dt", null, term), h("dd", null, text)])),
     h("h3", null, "Worst problems"), worstList(page, record.solver, choice.sets),
     h("h3", null, "Set by set"), setTable(page, record, choice.error),
     h("p", { class: "note" }, "Cone error: how far an answer is from the conditions of the round friction cone."));
   document.body.append(dialog);
   dialog.showModal();
+  history.pushState("dialog", "");  // Back closes it
+  addEventListener("popstate", back);
 }
-
-export const settingsNote = (solver) => small(solver.library === "native" ? "lcpbench"
-  : `${solver.library} ${solver.version}`);

@@ -1,15 +1,10 @@
-// A captured step in 3D, two solvers' answers to it side by side; or replays as films (scene3d_film.js).
+// A captured step in 3D, two solvers' answers to it side by side. Films are in scene3d_film.js.
 // docs/schema/view.schema.json describes the data. The styles are in scene3d.css, which page.css imports.
-import { Box3 } from "three";
+import { Box3, Vector3 } from "three";
 import { code, fold, h } from "./dom.js";
 import { duration, plain, scientific } from "./format.js";
 import { boxOf, Orbit, paint, placedSolids, renderer, solidsOf, vector } from "./scene3d_draw.js";
-import { mountFilm } from "./scene3d_film.js";
 import { dataTable } from "./table.js";
-
-/** Shows a view in an element. */
-export const mountScene = (element, view) =>
-  (view.kind === "replay" ? mountFilm(element, view) : mountStep(element, view));
 
 const dark = () => window.matchMedia("(prefers-color-scheme: dark)");
 export const themeOf = () => dark().matches
@@ -107,11 +102,17 @@ export function keepPainted(element, repaint) {
 export const noWebGl = "This browser has no WebGL, so that there are no pictures.";
 export const howTo = "Drag or use the arrow keys to turn; + and − zoom, 0 resets.";
 
-/** An orbit around all solids but the ground, wherever they stand in one of the poses, and around some points. */
+/** An orbit around all solids but the ground, wherever they stand in one of the poses, and around some points. What flies
+ *  off is left out: what comes four times as far from the box of the first poses as this is long. */
 export function orbitOf(view, solids, allPoses, points = []) {
   const box = new Box3().setFromPoints(points.map(vector));
+  let near = null;
   for (const poses of allPoses) {
-    for (const solid of placedSolids(solids, poses)) if (!solid.ground) box.union(boxOf(solid, poses[solid.body]));
+    for (const solid of placedSolids(solids, poses)) {
+      const own = solid.ground ? null : boxOf(solid, poses[solid.body]);
+      if (own && (!near || near.containsPoint(own.getCenter(new Vector3())))) box.union(own);
+    }
+    near ??= box.clone().expandByScalar(4 * box.getSize(new Vector3()).length());
   }
   return new Orbit(view.gravity, box);
 }
@@ -151,9 +152,11 @@ const claims = { solved: "said solved", unsolvable: "said unsolvable", iteration
 const answerWords = ({ claim, verdict, error_m_per_s: error, time_s: time }) => `${claims[claim] ?? claim}; verdict: ` +
   verdict + (error === null ? "" : `; error ${scientific(error)} m/s`) + (time === null ? "" : `; ${duration(time)}`);
 
-function mountStep(element, view) {
+export function mountStep(element, view) {
   const { contacts, answers } = view;
-  const solids = solidsOf(view.shapes);
+  const isAt = ([x, y, z]) => ([a, b, c]) => Math.hypot(x - a, y - b, z - c) < 1e-9;  // view.bodies names no bodies
+  const solids = solidsOf(view.shapes, [...view.poses.keys()].filter((body) =>
+    view.poses[body] && view.bodies.positions.some(isAt(view.poses[body]))));
   const known = contacts.points.filter(Boolean);
   const orbit = orbitOf(view, solids, [view.poses], known);
   const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null };

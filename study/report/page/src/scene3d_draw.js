@@ -38,15 +38,17 @@ const radii = {
   cylinder: ([r, half]) => Math.hypot(r, half), plane: () => Infinity,
 };
 
-/** The shapes of a view as solids. The ground are planes, and what is much larger than the median of the other shapes. */
-export function solidsOf(shapes) {
+/** The shapes of a view as solids. The ground are planes, and what stands still and is much larger than the median of what
+ *  moves. @param moving  bodies; none: not known, what is that large counts as still */
+export function solidsOf(shapes, moving) {
   const radiusOf = ({ type, size }) => radii[type](size);
-  const sizes = shapes.map(radiusOf).filter(Number.isFinite).sort((a, b) => a - b);
+  const moves = ({ body }) => body >= 0 && (!moving.length || moving.includes(body));
+  const sizes = shapes.filter(moves).map(radiusOf).filter(Number.isFinite).sort((a, b) => a - b);
   const usual = sizes[Math.floor((sizes.length - 1) / 2)] ?? 1;
   return shapes.map((shape) => {
     const geometry = makers[shape.type](shape.size, usual);
     return { body: shape.body, flat: shape.type === "plane", geometry, edges: new EdgesGeometry(geometry, 30),
-      ground: !(radiusOf(shape) <= 4 * usual) };
+      still: !moves(shape), ground: !(radiusOf(shape) <= 4 * usual) && !(moving.length && moves(shape)) };
   });
 }
 
@@ -75,6 +77,9 @@ export class Orbit {
     const around = box.getBoundingSphere(new Sphere());
     this.centre = around.center;
     this.radius = this.empty ? 1 : Math.max(1e-6, around.radius);
+    const half = box.getSize(new Vector3()).multiplyScalar(0.5);
+    this.corners = this.empty ? [] : Array.from({ length: 8 }, (_, i) =>
+      vector([i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1]).multiply(half));
     this.across = new Vector3(1, 0, 0).projectOnPlane(this.up);
     if (this.across.length() < 0.1) this.across = new Vector3(0, 1, 0).projectOnPlane(this.up);
     this.across.normalize();
@@ -91,15 +96,20 @@ export class Orbit {
   scale(factor) {
     this.zoom = Math.min(50, Math.max(0.2, this.zoom * factor));
   }
+  /** At zoom 1 as near as the whole box fits into the picture. */
   camera(aspect) {
-    const narrow = Math.min(1, aspect);
-    const distance = (0.9 * this.radius) / Math.sin((fieldOfView * Math.PI) / 360) / narrow / this.zoom;
+    const away = this.across.clone().multiplyScalar(Math.cos(this.elevation) * Math.cos(this.azimuth))
+      .addScaledVector(this.along, Math.cos(this.elevation) * Math.sin(this.azimuth))
+      .addScaledVector(this.up, Math.sin(this.elevation));
+    const right = this.up.clone().cross(away).normalize();
+    const upwards = away.clone().cross(right);
+    const slope = Math.tan((fieldOfView * Math.PI) / 360);
+    const fits = this.corners.map((corner) => corner.dot(away) + Math.max(
+      Math.abs(corner.dot(right)) / (slope * aspect), Math.abs(corner.dot(upwards)) / slope));
+    const distance = Math.max(this.radius, 1.06 * Math.max(...fits)) / this.zoom;
     const camera = new PerspectiveCamera(fieldOfView, aspect, distance / 100, distance + 60 * this.radius);
     camera.up.copy(this.up);
-    camera.position.copy(this.centre)
-      .addScaledVector(this.across, distance * Math.cos(this.elevation) * Math.cos(this.azimuth))
-      .addScaledVector(this.along, distance * Math.cos(this.elevation) * Math.sin(this.azimuth))
-      .addScaledVector(this.up, distance * Math.sin(this.elevation));
+    camera.position.copy(this.centre).addScaledVector(away, distance);
     camera.lookAt(this.centre);
     camera.updateMatrixWorld();
     return camera;
@@ -146,7 +156,8 @@ function sceneOf({ solids, dots, arrows, theme }, orbit, camera) {
   scene.add(new AmbientLight(0xffffff, 1.4), sun);
   for (const { solid, pose, color } of solids) {
     const matrix = placed(pose);
-    const fill = solid.ground ? { color: theme.ground, opacity: 0.5 } : { color, opacity: 1 };
+    // What stands still may hide what moves: one looks through it.
+    const fill = solid.ground ? { color: theme.ground, opacity: 0.5 } : { color, opacity: solid.still ? 0.3 : 1 };
     const mesh = new Mesh(solid.geometry, material(MeshLambertMaterial, {
       ...fill, transparent: fill.opacity < 1, side: solid.flat ? DoubleSide : FrontSide, depthWrite: fill.opacity === 1,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
@@ -154,7 +165,7 @@ function sceneOf({ solids, dots, arrows, theme }, orbit, camera) {
     for (const object of solid.ground ? [mesh] : [mesh, lines]) {
       object.matrixAutoUpdate = false;
       object.matrix.copy(matrix);
-      object.renderOrder = solid.ground ? -1 : 0;
+      object.renderOrder = fill.opacity < 1 ? -1 : 0;
       scene.add(object);
     }
   }

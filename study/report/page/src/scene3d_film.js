@@ -51,12 +51,14 @@ function drawCurves(films, name, end, width) {
   const points = films.flatMap((film, i) => film.curves.time_s.map((time, p) => ({ time, film: i, value: film.curves[name][p] })))
     .filter(({ value }) => value !== null).map((point) => ({ ...point, value: energy ? point.value : Math.max(point.value, 1e-6) }));
   const [low, high] = [Math.min, Math.max].map((most) => Math.log10(most(...points.map(({ value }) => value))));
-  const powers = [-6, -5, -4, -3, -2, -1, 0, 1, 2, 3].filter((power) => power >= Math.floor(low) && power <= Math.ceil(high));
+  const [first, last] = [Math.floor(low), Math.max(Math.floor(low) + 1, Math.ceil(high))];
+  const powers = Array.from({ length: last - first + 1 }, (_, i) => 10 ** (first + i));
   const svg = Plot.plot({
-    width, height: 180, marginLeft: 58, marginBottom: 32, style: { background: "transparent", fontSize: "12px" },
+    width, height: 180, marginLeft: 84, marginBottom: 32, style: { background: "transparent", fontSize: "12px" },
     x: { domain: [0, end], label: "time in s", ticks: 5 },
-    y: { type: energy ? "linear" : "log", label: null, grid: true, ticks: energy ? 4 : powers.map((power) => 10 ** power), nice: true,
-      tickFormat: (value) => (energy ? `${plain(value)} J` : length(value)) },
+    y: { ...(energy ? { nice: true, ticks: 4 } : { type: "log", domain: [powers[0], powers.at(-1)], ticks: powers }),
+      label: null, grid: true,
+      tickFormat: (value) => (energy ? `${plain(value)} J` : value < 1.1e-6 ? "below 1 µm" : length(value)) },
     marks: films.map((_, i) => Plot.lineY(points.filter(({ film }) => film === i), { x: "time", y: "value",
       stroke: strokes[i % strokes.length][0], strokeDasharray: strokes[i % strokes.length][1], strokeWidth: 2 })),
   });
@@ -116,9 +118,9 @@ function numbersTable(view) {
 
 export function mountFilm(element, view) {
   const { films } = view;
-  const solids = solidsOf(view.shapes);
+  const solids = solidsOf(view.shapes, films.flatMap(({ moving }) => moving));
   const end = Math.max(view.steps * view.step_length_s, ...films.flatMap((film) => film.times_s));
-  const orbit = orbitOf(view, solids, films.length ? [0, 0.5, 1].map((part) => posesAt(films[0], part * end)) : []);
+  const orbit = orbitOf(view, solids, films.flatMap((film) => [0, ...film.times_s].map((time) => posesAt(film, time))));
   const state = { time: 0, playing: null };
   const curves = Object.keys(curveNames).filter((name) => name === "cost" ? view.replays.some((row) => row.cpu_s_per_s > 0)
     : films.some((film) => film.curves[name].some((v) => v !== null)));
@@ -138,7 +140,7 @@ export function mountFilm(element, view) {
   const words = (film, row) => {
     const survived = row.survived < view.steps ? `loses the scene at step ${count(row.survived)} of ${count(view.steps)}`
       : `survives all ${count(view.steps)} steps`;
-    return row.end && state.time > film.times_s.at(-1) ? `${survived}; ended: ${row.end}` : survived;
+    return row.end ? `${survived}; ended: ${row.end}` : survived;
   };
   const cursor = h("i", { class: "scene3d-cursor" });
   const chart = h("div", { class: "scene3d-chart" });

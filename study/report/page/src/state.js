@@ -29,28 +29,29 @@ export class State {
     const solvers = indices("solver", this.solverIndex);
     this.solvers = solvers.length || none("solver") ? new Set(solvers) : null;
     this.reference = indices("over", this.solverIndex)[0] ?? null;
-    this.y = asked.get("y") === "error" ? "error" : "share";
+    this.y = ["share", "profile"].find((form) => form === asked.get("y")) ?? "error";
     this.written = location.hash;
   }
 
-  /** Puts the choice into the address, in place of the present one: no step of the browser's history. */
-  write() {
-    const { sets, solvers, situations, errors } = this.report;
+  /** Puts the choice into the address: a step of the browser's history, or in place of the present one. */
+  write(more) {
+    const { sets, solvers, situations } = this.report;
     const asked = new URLSearchParams();
     const append = (name, texts) => (texts.length ? texts : [""]).forEach((text) => asked.append(name, text));
-    if (this.error > 0) asked.set("error", String(errors[this.error]));
+    if (this.error > 0) asked.set("error", this.errorText);
     if (typeof this.at === "number") asked.set("contacts", situations[this.at].title);
     if (this.at === "own") append("set", this.sets.map((set) => sets[set].name));
     if (this.solvers) append("solver", [...this.solvers].map((solver) => solvers[solver].label));
     if (this.reference !== null) asked.set("over", solvers[this.reference].label);
-    if (this.y !== "share") asked.set("y", this.y);
+    if (this.y !== "error") asked.set("y", this.y);
     this.written = String(asked) && `#${asked}`;
-    history.replaceState(null, "", this.written || location.pathname + location.search);
+    history[more ? "replaceState" : "pushState"](null, "", this.written || location.pathname + location.search);
   }
 
-  change(changes) {
+  /** @param more  of the last change, as while a slider moves: Back undoes both */
+  change(changes, more = false) {
     Object.assign(this, changes);
-    this.write();
+    this.write(more);
     this.tell();
   }
 

@@ -4,6 +4,7 @@ import { copyButton, download, fold, h, small } from "./dom.js";
 import { counted, plain } from "./format.js";
 
 const firstRows = 50;
+const longText = 120;  // a cell of more characters is folded
 
 /** A cell of a CSV table. A text that a spreadsheet would take for a formula gets an apostrophe in front, as by
  *  csv_text() of study/output/csv.h. */
@@ -59,7 +60,9 @@ export function dataTable(columns, rows, { name, caption, sql, rowClass, few = f
   const more = h("button", { type: "button", onclick: () => ((all = true), draw()) });
 
   const cellOf = (column, row, i) => {
-    const content = column.show ? column.show(row) : plain(column.value(row));
+    const text = column.show ? "" : plain(column.value(row));
+    const content = column.show ? column.show(row)
+      : text.length <= longText ? text : fold(`${text.slice(0, longText / 2)} …`, () => text);
     return h(i === 0 ? "th" : "td", { scope: i === 0 && "row", class: column.number && "number" }, content);
   };
   function draw() {
@@ -97,7 +100,7 @@ export const queryFold = (sql) => fold("SQL", () => [
 
 export const tableOf = (report, table) => report.tables.find(({ name }) => name === table);
 
-/** The rows of a table of the report as objects. The report has none of a table that is "only in tables/". */
+/** The rows of a table of the report as objects. */
 export function records(report, table) {
   const { columns, rows } = tableOf(report, table);
   return rows.map((row) => Object.fromEntries(columns.map(({ name }, i) => [name, row[i]])));
