@@ -6,6 +6,11 @@ foreach(test conformance active_set auto auto_rest auto_scenes bare_claims claim
         velocity_ipm warm_steps)
   lcpbench_test(${test})
 endforeach()
+# An engine's templates, each at a level of its own.
+foreach(test active_set_bounds response rounded_shares)
+  lcpbench_test(${test})
+  set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/${test}_test.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endforeach()
 lcpbench_test(scene_memory SLOW RELEASE_ONLY APART OPTIMIZED  # sanitizers have memory of their own
               LINK lcpbench_solver_list lcpbench_evaluation lcpbench_io)
 lcpbench_test(regularized APART LINK lcpbench_native lcpbench_generators)
