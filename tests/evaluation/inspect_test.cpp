@@ -271,9 +271,11 @@ TEST(InspectTest, MillimetresAndAnInvertedInertiaOfTheTutorialsBallAreNamed) {
 
 // Positions in millimetres beside moments in kg m^2: the contacts act far outside of the body.
 TEST(InspectTest, LeverArmsInOtherUnitsThanTheInertiaAreNamed) {
-  ContactProblem problem = rod(false);
-  std::get<Matrix>(problem.N)(4, 0) = -1000;
-  expect_data(of(problem), "length_units", 1);
+  for (const Index axis : {3, 4, 5}) {
+    ContactProblem problem = rod(false);
+    std::get<Matrix>(problem.N)(axis, 0) = -1000;
+    expect_data(of(problem), "length_units", 1);
+  }
 }
 
 TEST(InspectTest, ASingularInertiaIsNamed) {
