@@ -62,7 +62,7 @@ class ModelEngine final : public AskedEngine {
   void take(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     const Json answer = ask({{"verb", "step"}, {"loop", static_cast<bool>(loop)}});
     const JsonObject told(answer, origin());
-    told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "velocity", "solve_s"});
+    told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "velocity", "solve_s", "frames"});
     const Problem problem = problem_of_json(told.value("problem"), origin());
     if (problem.contact() == nullptr || problem.kind() != ProblemKind::kContact) {
       told.fail("problem", ": expected one of kind contact");
@@ -112,9 +112,11 @@ class ModelEngine final : public AskedEngine {
     const Vector gap = told.vector("gap", problem.nc());
     const std::vector<std::string> ids = told.texts("ids");
     const std::vector<Vector> impulses = told.given("impulses") ? told.rows("impulses") : std::vector<Vector>();
-    snapshot.has_impulses = told.given("impulses");
     const auto count = static_cast<std::size_t>(problem.nc());
+    const std::vector<Vector> frames = told.given("frames") ? told.rows("frames") : std::vector<Vector>(count);
+    snapshot.has_impulses = told.given("impulses");
     if (ids.size() != count) told.fail("ids", ": expected one for each contact");
+    if (frames.size() != count) told.fail("frames", ": expected one for each contact");
     if (snapshot.has_impulses && impulses.size() != count) told.fail("impulses", ": expected one for each contact");
     for (Index i = 0; i < problem.nc(); ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -122,6 +124,13 @@ class ModelEngine final : public AskedEngine {
       contact.edges = problem.edges[at];
       if (contact.edges != 0 && contact.edges != 4) told.fail("problem", ".edges: expected 0 or 4 of each contact");
       contact.rows = rows_of(problem, i, layout.friction_begin[at]);
+      if (frames[at].size() == 9) {
+        contact.point = frames[at].head<3>();
+        contact.normal = frames[at].segment<3>(3);
+        contact.tangent = frames[at].tail<3>();
+      } else if (frames[at].size() != 0) {
+        told.fail("frames", ": expected 9 numbers each, or none");
+      }
       contact.mu = problem.mu(i);
       contact.gap = gap(i);
       contact.offset = value(problem.b, i);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from typing import Any
+from typing import Any, Iterable
 
 import numpy as np
 
@@ -237,7 +237,7 @@ class Recorder:
         each = Step(captured, impulses=captured.engine_impulses) if isinstance(captured, Problem) else captured
         number = max(self._seen - 1, self._last + 1) if step is None else _integer(step, "step", _LARGEST_STEP)
         fields = {name: getattr(each, name) for name in ("time", "gap", "contact_ids", "impulses", "velocity")}
-        fields.update(poses=_rows(pose_rows(each.poses)), contact_frames=_rows(each.contact_frames))
+        fields.update(poses=rows(pose_rows(each.poses)), contact_frames=rows(each.contact_frames))
         self._writer.add(number, each.problem._data, fields)
         self._last = number
         self.count += 1
@@ -255,6 +255,16 @@ class Recorder:
         self.close()
 
 
+def numbered(names: Iterable[str]) -> list[str]:
+    """Each name, from the second of its equals on with a number."""
+    seen: dict[str, int] = {}
+    result = []
+    for name in names:
+        count = seen[name] = seen.get(name, 0) + 1
+        result.append(f"{name} #{count}" if count > 1 else name)
+    return result
+
+
 def pose_rows(poses: Any) -> Any:
     """With quaternions in place of an array's rotation matrices, row after row."""
     if getattr(poses, "shape", ())[1:] != (12,):
@@ -265,9 +275,9 @@ def pose_rows(poses: Any) -> Any:
     return np.hstack([poses[:, :3], turned[:, [3, 0, 1, 2]]])
 
 
-def _rows(values: Any) -> list[list[float]] | None:
+def rows(values: Any) -> list[list[float]] | None:
     """Lists of numbers; a row of an array that begins with NaN is none."""
     if values is None:
         return None
-    rows = np.asarray(values).tolist() if isinstance(values, np.ndarray) else [list(each) for each in values]
-    return [[] if row and row[0] != row[0] else row for row in rows]
+    lists = np.asarray(values).tolist() if isinstance(values, np.ndarray) else [list(each) for each in values]
+    return [[] if row and row[0] != row[0] else row for row in lists]

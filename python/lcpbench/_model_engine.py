@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from . import _native
-from ._files import pose_rows
+from ._files import pose_rows, rows
 from .mujoco import _dense_rows, _null_space, capture, shapes
 
 MARGIN = 1e-4  # [m] up to which a solver in the loop gets open contacts
@@ -38,9 +38,11 @@ class _Engine:
         self._marks = [_place(model, self._data, each) for each in marks] or [self._data.xpos[each] for each in free]
         mujoco.mj_forward(model, self._data)
         capture(model, self._data, soft=bool(soft), stepped=False)  # refuses what is outside
+        drawn = shapes(model)
+        self._drawn = [body for body, _, _ in drawn]
         return {"engine": "MuJoCo", "version": mujoco.mj_versionString(), "step_length": model.opt.timestep,
                 "gravity": model.opt.gravity.tolist(), "free": len(free),
-                "shapes": [{"type": kind, "size": list(size)} for _, kind, size in shapes(model)]}
+                "shapes": [{"type": kind, "size": list(size)} for _, kind, size in drawn]}
 
     def step(self, loop: bool) -> dict[str, Any]:
         model, data = self._model, self._data
@@ -58,7 +60,8 @@ class _Engine:
             (mujoco.mj_implicit if implicit else mujoco.mj_Euler)(model, data)
         step = capture(model, data, soft=bool(self._soft), stepped=not loop)
         reply = {"problem": json.loads(_native.problem_json(step.problem._data)), "gap": step.gap.tolist(),
-                 "ids": step.contact_ids, "poses": pose_rows(step.poses).tolist(), "marks": marks}
+                 "ids": step.contact_ids, "frames": rows(step.contact_frames), "marks": marks,
+                 "poses": pose_rows(step.poses[self._drawn]).tolist()}
         if not loop:
             reply.update(impulses=step.impulses.tolist(), velocity=step.velocity.tolist())
         return reply

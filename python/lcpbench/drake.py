@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from ._files import Step
+from ._files import Step, numbered
 from ._native import InputError
 from ._problem import Problem, _any_tangent
 
-__all__ = ["capture"]
+__all__ = ["capture", "shapes"]
 
 
 def _joint_damping(plant: Any, context: Any) -> np.ndarray:
@@ -29,6 +29,46 @@ def _joint_damping(plant: Any, context: Any) -> np.ndarray:
             first = joint.velocity_start()
             damping[first : first + joint.num_velocities()] = joint.GetDampingVector(context)
     return damping
+
+
+def _geometries(plant: Any, context: Any) -> tuple[Any, list[Any]]:
+    """The query object, and the geometries that can touch others."""
+    from pydrake.geometry import Role
+
+    query = plant.get_geometry_query_input_port().Eval(context)
+    return query, query.inspector().GetAllGeometryIds(Role.kProximity)
+
+
+def shapes(plant: Any, context: Any) -> list[tuple[int, str, tuple[float, ...]]]:
+    """For pictures: (body, type, size) of each geometry that can touch others, as `lcpbench.Recorder` takes them.
+    Ellipsoids, meshes and convex hulls are the box around them.
+
+    Args:
+        plant, context: as those of `capture`.
+    """
+    query, geometries = _geometries(plant, context)
+    result: list[tuple[int, str, tuple[float, ...]]] = []
+    for i, each in enumerate(geometries):
+        shape, around = query.inspector().GetShape(each), query.inspector().GetObbInGeometryFrame(each)
+        kind = type(shape).__name__.lower()
+        if kind == "sphere":
+            result.append((i, kind, (shape.radius(),)))
+        elif kind in ("capsule", "cylinder"):
+            result.append((i, kind, (shape.radius(), 0.5 * shape.length())))
+        elif around is not None:
+            result.append((i, "box", tuple(map(float, around.half_width()))))
+        else:  # of a half space there is no box
+            result.append((i, "plane", (0.0, 0.0, 1.0, 0.0)))
+    return result
+
+
+def _poses(query: Any, geometries: list[Any]) -> np.ndarray:
+    poses = []
+    for each in geometries:
+        around = query.inspector().GetObbInGeometryFrame(each)
+        pose = query.GetPoseInWorld(each) if around is None else query.GetPoseInWorld(each) @ around.pose()
+        poses.append([*pose.translation(), *pose.rotation().matrix().ravel()])
+    return np.reshape(poses, (-1, 12))
 
 
 def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
@@ -44,7 +84,8 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         name: of the problem.
 
     Returns:
-        A `Step` with the velocity after Drake's own step, and its impulses where all contacts are points.
+        A `Step` with the velocity after Drake's own step, its impulses where all contacts are points, and for pictures
+        the poses of `shapes(plant, context)`.
 
     Raises:
         InputError: the plant is continuous, or its output ports are sampled: it needs SetUseSampledOutputPorts(False).
@@ -60,7 +101,8 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         raise InputError("plant: its output ports show the step before; call plant.SetUseSampledOutputPorts(False) "
                          "before Finalize()")
     world, v = plant.world_frame(), plant.GetVelocities(context)
-    inspector = plant.get_geometry_query_input_port().Eval(context).inspector()
+    query, geometries = _geometries(plant, context)
+    inspector = query.inspector()
 
     def jacobian(body: Any, point: np.ndarray) -> np.ndarray:
         local = body.EvalPoseInWorld(context).inverse() @ point
@@ -103,13 +145,13 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         along.append(on_a[1:])
     for i in range(results.num_hydroelastic_contacts()):
         surface = results.hydroelastic_contact_info(i).contact_surface()
-        geometries = surface.id_M(), surface.id_N()
-        frames = [inspector.GetFrameId(each) for each in geometries]
+        touching = surface.id_M(), surface.id_N()
+        frames = [inspector.GetFrameId(each) for each in touching]
         pair_of = [plant.GetBodyFromFrameId(each) for each in frames]
-        coefficient = friction(*geometries)
+        coefficient = friction(*touching)
         for face in range(surface.num_faces()):
             add(pair_of[0], pair_of[1], np.array(surface.centroid(face)), np.array(surface.face_normal(face)),
-                coefficient, 0.0, f"{named(*geometries)} #{face + 1}")
+                coefficient, 0.0, named(*touching))
     M = np.array(plant.CalcMassMatrix(context))
     G = 0.5 * (M + M.T)
     if plant.get_discrete_contact_approximation() != DiscreteContactApproximation.kTamsi:  # TAMSI's damping is explicit
@@ -128,5 +170,5 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
     impulses = None
     if len(normal) == count:
         impulses = np.column_stack([normal, np.reshape(along, (-1, 2)) * (problem.mu > 0)[:, None]])
-    return Step(problem, time=float(context.get_time()), gap=np.array(gap), contact_ids=ids, impulses=impulses,
-                velocity=after, contact_frames=places)
+    return Step(problem, time=float(context.get_time()), gap=np.array(gap), contact_ids=numbered(ids), impulses=impulses,
+                velocity=after, poses=_poses(query, geometries), contact_frames=places)

@@ -22,7 +22,7 @@ from scipy.sparse import csr_matrix
 
 from . import _files, _native
 from ._audit import of_mujoco as audit
-from ._files import Step
+from ._files import Step, numbered
 from ._native import InputError
 from ._problem import Problem
 
@@ -104,16 +104,6 @@ def _columns(rows: np.ndarray) -> Any:
     return csr_matrix(rows).T.tocsc() if rows.size > 1 << 14 else rows.T
 
 
-def _numbered(names: Iterable[str]) -> list[str]:
-    """Each name, from the second of its equals on with a number."""
-    seen: dict[str, int] = {}
-    result = []
-    for name in names:
-        count = seen[name] = seen.get(name, 0) + 1
-        result.append(f"{name} #{count}" if count > 1 else name)
-    return result
-
-
 def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
     """The two geometries of a contact's row, "foot on floor", or the joint or tendon at its limit, by name. A geometry
     without a name has that of its body, with its index where the body has others."""
@@ -142,7 +132,7 @@ def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
             return f"limit of {of(kind, index) or f'{kind} {index}'}"
         return f"{geometry(geoms[index][1])} on {geometry(geoms[index][0])}"
 
-    return _numbered(map(name, rows))
+    return numbered(map(name, rows))
 
 
 def _warn_of_friction(dims: np.ndarray) -> None:
@@ -167,8 +157,12 @@ def _frames(data: Any, rows: np.ndarray) -> np.ndarray:
     return result
 
 
-def _seen(data: Any) -> dict[str, Any]:
-    return dict(time=float(data.time), poses=np.hstack([data.geom_xpos, data.geom_xmat]))
+def _seen(model: Any, data: Any) -> dict[str, Any]:
+    poses = np.hstack([data.geom_xpos, data.geom_xmat])
+    around = np.flatnonzero(model.geom_aabb[:, :3].any(axis=1) & (model.geom_type > 0))  # meshes: boxes beside their origin
+    for i in around:
+        poses[i, :3] += poses[i, 3:].reshape(3, 3) @ model.geom_aabb[i, :3]
+    return dict(time=float(data.time), poses=poses)
 
 
 def _null_space(data: Any, J: np.ndarray) -> np.ndarray | None:
@@ -185,19 +179,20 @@ def _null_space(data: Any, J: np.ndarray) -> np.ndarray | None:
 
 
 def shapes(model: Any) -> list[tuple[int, str, tuple[float, ...]]]:
-    """For pictures: (body, type, size) of each geometry, as `lcpbench.Recorder` takes them. Ellipsoids and meshes are the
-    sphere around them.
+    """For pictures: (body, type, size) of each geometry, as `lcpbench.Recorder` takes them. Ellipsoids, meshes and height
+    fields are the box around them. Of a body that has geometries which can touch others, these alone are drawn.
 
     Args:
         model: an MjModel.
     """
-    kinds = {0: ("plane", lambda size: (0.0, 0.0, 1.0, 0.0)), 3: ("capsule", lambda size: (size[0], size[1])),
-             5: ("cylinder", lambda size: (size[0], size[1])), 6: ("box", lambda size: tuple(size))}
-    around = "sphere", None
+    kinds = {0: ("plane", lambda size: (0.0, 0.0, 1.0, 0.0)), 2: ("sphere", lambda size: size[:1]),
+             3: ("capsule", lambda size: size[:2]), 5: ("cylinder", lambda size: size[:2])}
+    touches = (model.geom_contype | model.geom_conaffinity) != 0
+    drawn = touches | ~np.isin(model.geom_bodyid, model.geom_bodyid[touches])
     result = []
-    for i, (kind, size, radius) in enumerate(zip(model.geom_type, model.geom_size, model.geom_rbound)):
-        name, of = kinds.get(int(kind), around)
-        result.append((i, name, tuple(map(float, of(size) if of else (radius,)))))
+    for i in np.flatnonzero(drawn):
+        name, of = kinds.get(int(model.geom_type[i]), ("box", None))
+        result.append((int(i), name, tuple(map(float, of(model.geom_size[i]) if of else model.geom_aabb[i, 3:]))))
     return result
 
 
@@ -251,7 +246,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
                       v=_solve(blocks, momentum), b=-target[rows], compliance_n=R[rows], compliance_t=compliance_t,
                       offset_t=offset, name=name, validate=False)
     return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
-                velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), **_seen(data))
+                velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), **_seen(model, data))
 
 
 def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
@@ -313,7 +308,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         _blocks(model, _step_inertia(model, after)), after.qvel, h, _null_space(data, J), name)
     return Step(Problem._of(problem), gap=gap, contact_ids=_row_ids(model, data, rows),
                 impulses=impulses.reshape(-1, 3), velocity=qvel if stepped else None,
-                contact_frames=frames.reshape(-1, 9), **_seen(data))
+                contact_frames=frames.reshape(-1, 9), **_seen(model, data))
 
 
 class Recorder(_files.Recorder):

@@ -12,11 +12,73 @@ from typing import Any
 import numpy as np
 
 from . import _native
-from ._files import Step
+from ._files import Step, numbered
 from ._native import InputError
 from ._problem import Problem, _any_tangent
 
-__all__ = ["capture"]
+__all__ = ["capture", "shapes"]
+
+
+def _connection(client: Any, physics_client: int) -> tuple[Any, dict[str, int]]:
+    """The module or BulletClient, and what its functions take more."""
+    if client is None:
+        import pybullet
+
+        client = pybullet
+    return client, {"physicsClientId": physics_client} if type(client).__name__ == "module" else {}
+
+
+def _parts(client: Any, more: dict[str, int]) -> list[tuple[int, int, Any, np.ndarray]]:
+    """Of each shape body and link, its data, and of a mesh or an array of shapes the corners of the box around it."""
+    parts = []
+    for k in range(client.getNumBodies(**more)):
+        body = client.getBodyUniqueId(k, **more)
+        for link in range(-1, client.getNumJoints(body, **more)):
+            for shape in client.getCollisionShapeData(body, link, **more):
+                corners = np.zeros((2, 3))
+                if shape[2] == client.GEOM_MESH:
+                    points = np.array(client.getMeshData(body, link, **more)[1])
+                    corners = np.array([points.min(axis=0), points.max(axis=0)])
+                parts.append((body, link, shape, corners))
+    return parts
+
+
+def shapes(client: Any = None, *, physics_client: int = 0) -> list[tuple[int, str, tuple[float, ...]]]:
+    """For pictures: (body, type, size) of each collision shape of all bodies that are there, as `lcpbench.Recorder` takes
+    them. A mesh is the box around it.
+
+    Args:
+        client, physics_client: as those of `capture`.
+    """
+    client, more = _connection(client, physics_client)
+    result: list[tuple[int, str, tuple[float, ...]]] = []
+    for i, (_, _, (_, _, kind, size, *_), corners) in enumerate(_parts(client, more)):
+        if kind == client.GEOM_SPHERE:
+            result.append((i, "sphere", size[:1]))
+        elif kind in (client.GEOM_CAPSULE, client.GEOM_CYLINDER):
+            result.append((i, "capsule" if kind == client.GEOM_CAPSULE else "cylinder", (size[1], size[0] / 2)))
+        elif kind == client.GEOM_PLANE:
+            result.append((i, "plane", (*size, 0.0)))
+        else:
+            half = np.array(size) / 2 if kind == client.GEOM_BOX else (corners[1] - corners[0]) / 2
+            result.append((i, "box", tuple(map(float, half))))
+    return result
+
+
+def _poses(client: Any, more: dict[str, int], before: dict[int, tuple[np.ndarray, Any]]) -> np.ndarray:
+    """Of the shapes. before: where the free bodies stood before the step."""
+    from scipy.spatial.transform import Rotation
+
+    poses = []
+    for body, link, (*_, offset, turn), corners in _parts(client, more):
+        if link >= 0:
+            position, q = client.getLinkState(body, link, **more)[:2]
+        else:
+            position, q = client.getBasePositionAndOrientation(body, **more)
+        at, R = before[body] if body in before else (np.array(position), Rotation.from_quat(q))
+        turned = R * Rotation.from_quat(turn)
+        poses.append([*(at + R.apply(offset) + turned.apply(corners.mean(axis=0))), *turned.as_matrix().ravel()])
+    return np.reshape(poses, (-1, 12))
 
 
 def capture(client: Any = None, *, name: str = "pybullet", physics_client: int = 0) -> Step:
@@ -32,23 +94,21 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         physics_client: the number of the connection, if client is the module.
 
     Returns:
-        A `Step` with Bullet's own impulses and velocity. A problem of kind "scene".
+        A `Step` with Bullet's own impulses and velocity, and for pictures the poses of `shapes()`. A problem of kind
+        "scene".
 
     Raises:
         InputError: a free body has joints, or a body with a fixed base has joints that move.
     """
     from scipy.spatial.transform import Rotation
 
-    if client is None:
-        import pybullet
-
-        client = pybullet
-    more = {"physicsClientId": physics_client} if type(client).__name__ == "module" else {}
+    client, more = _connection(client, physics_client)
     settings = client.getPhysicsEngineParameters(**more)
     of_forces = settings["fixedTimeStep"]  # Bullet divides the impulses of a substep by it, too
     h = of_forces / max(settings["numSubSteps"], 1)
     bodies: list[dict[str, Any]] = []
     index: dict[int, int] = {}
+    before: dict[int, tuple[np.ndarray, Any]] = {}
     for k in range(client.getNumBodies(**more)):
         body = client.getBodyUniqueId(k, **more)
         mass, _, inertia, *_ = client.getDynamicsInfo(body, -1, **more)
@@ -59,16 +119,16 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
             raise InputError(f"capture: body {body} has joints, which is outside: free rigid bodies only")
         position, turned = client.getBasePositionAndOrientation(body, **more)
         linear, angular = map(np.array, client.getBaseVelocity(body, **more))
-        R = (Rotation.from_rotvec(-h * angular) * Rotation.from_quat(turned)).as_matrix()  # before the step
+        before[body] = np.array(position) - h * linear, Rotation.from_rotvec(-h * angular) * Rotation.from_quat(turned)
+        R = before[body][1].as_matrix()
         index[body] = len(bodies)
-        bodies.append(dict(mass=mass, inertia=R @ np.diag(inertia) @ R.T, position=np.array(position) - h * linear,
+        bodies.append(dict(mass=mass, inertia=R @ np.diag(inertia) @ R.T, position=before[body][0],
                            linear_velocity=linear, angular_velocity=angular))
 
     def named(body: int) -> str:
         return f"{client.getBodyInfo(body, **more)[1].decode()} {body}".lstrip()
 
     contacts, gap, ids, normal, along = [], [], [], [], []
-    seen: dict[tuple[int, int], int] = {}
     for point in client.getContactPoints(**more):
         _, a, b, link_a, link_b, on_a, on_b, n, distance, force, force_1, tangent_1, force_2, tangent_2, *_ = point
         if a not in index and b not in index:
@@ -89,9 +149,7 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         contacts.append(dict(body_a=index[a], body_b=index.get(b, -1), point=np.mean(ends, axis=0), normal=n,
                              tangent=tangent, mu=mu, b=max(distance, 0.0) / h))
         gap.append(distance)
-        seen[a, b] = seen.get((a, b), -1) + 1
-        number = f" #{seen[a, b] + 1}" if seen[a, b] else ""
-        ids.append(f"{named(a)} on {named(b)}{number}")
+        ids.append(f"{named(a)} on {named(b)}")
         normal.append(of_forces * force)
         along.append([pushed @ tangent, pushed @ second] if mu > 0 else [0.0, 0.0])
     impulses = np.column_stack([normal, np.reshape(along, (-1, 2))])
@@ -104,4 +162,5 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         turned = np.linalg.solve(each["inertia"], J[6 * i + 3 : 6 * i + 6])
         each["angular_velocity"] = after[6 * i + 3 : 6 * i + 6] - turned
     problem = Problem.from_scene(bodies, contacts, name)
-    return Step(problem, gap=np.array(gap), contact_ids=ids, impulses=impulses, velocity=after)
+    return Step(problem, gap=np.array(gap), contact_ids=numbered(ids), impulses=impulses, velocity=after,
+                poses=_poses(client, more, before))

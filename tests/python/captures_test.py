@@ -1,5 +1,9 @@
 """Captures of PyBullet, Drake and Pinocchio, with the real packages."""
 import importlib
+import json
+import os
+import subprocess
+import tempfile
 import unittest
 
 import numpy as np
@@ -18,6 +22,29 @@ def package(name):
 
 
 pybullet, drake, pinocchio = package("pybullet"), package("pydrake.all"), package("pinocchio")
+coal = package("coal")
+
+
+def same_pose(test, step, k, position, quaternion):
+    """The k-th shape stands there. @param quaternion  w first"""
+    pose = lcpbench._files.pose_rows(step.poses)[k]
+    np.testing.assert_allclose(pose[:3], position, atol=1e-6)
+    test.assertAlmostEqual(abs(np.dot(pose[3:], quaternion)), 1, delta=1e-6)
+
+
+def draws(test, step, shapes):
+    """`lcpbench view` has the contacts, and every shape at its pose."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "r.scenes")
+        with lcpbench.Recorder(file, shapes=shapes) as recorder:
+            recorder.add(step, 7)
+        shown = subprocess.run([lcpbench.find_program(), "view", file + "#7", "--solver", "auto", "--format", "json"],
+                               capture_output=True, check=True).stdout
+    scene, = json.loads(shown)["scenes"]
+    test.assertEqual([each["type"] for each in scene["shapes"]][: len(shapes)], [each[1] for each in shapes])
+    test.assertEqual(len(scene["poses"]), len(shapes))
+    test.assertNotIn(None, scene["contacts"]["points"])
+    test.assertEqual(scene["contacts"]["ids"], step.contact_ids)
 
 
 def moves_as_captured(test, step, tolerance):
@@ -62,6 +89,24 @@ class PyBullet(unittest.TestCase):
         self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
         self.assertIn(lcpbench.check(step.problem, step.impulses).verdict, ("solved", "wrong"))
         self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
+        for k, (position, (x, y, z, w)) in enumerate(poses):  # shape 0 is the plane
+            same_pose(self, step, 1 + k, position, (w, x, y, z))
+        shapes = lcpbench.pybullet.shapes()
+        self.assertEqual(shapes[0], (0, "plane", (0, 0, 1, 0)))
+        np.testing.assert_allclose(shapes[1][2], [0.2, 0.1, 0.15])
+        draws(self, step, shapes)
+
+    def test_meshes_are_drawn_as_the_box_around_them(self):
+        corners = [[x, y, z] for x in (0, 0.1) for y in (0, 0.2) for z in (0, 0.4)]
+        mesh = pybullet.createCollisionShape(pybullet.GEOM_MESH, vertices=corners)
+        turned = pybullet.getQuaternionFromEuler([0, 0, np.pi / 2])
+        pybullet.createMultiBody(1, mesh, basePosition=[5, 0, 3], baseOrientation=turned)
+        pybullet.stepSimulation()
+        body, kind, half = lcpbench.pybullet.shapes()[-1]
+        self.assertEqual(kind, "box")
+        np.testing.assert_allclose(half, [0.05, 0.1, 0.2], atol=1e-6)
+        pose = lcpbench.pybullet.capture().poses[body]
+        np.testing.assert_allclose(pose[:3], [4.9, 0.05, 3.2], atol=1e-6)
 
     def test_the_last_substep_is_captured(self):
         steps = []
@@ -177,6 +222,14 @@ class Drake(unittest.TestCase):
         step = lcpbench.drake.capture(plant, context)
         self.assertGreaterEqual(step.problem.nc, 4)
         moves_as_captured(self, step, 1e-9)  # through Drake's generalized forces: the Jacobians agree
+        shapes = lcpbench.drake.shapes(plant, context)
+        self.assertEqual(sorted({each[1] for each in shapes}), ["plane", "sphere"])
+        self.assertIn("g0-", step.contact_ids[0])
+        draws(self, step, shapes)
+        # Each point is on a ball: poses and frames are those of one world.
+        balls = step.poses[[each[0] for each in shapes if each[1] == "sphere"], :3]
+        for frame in step.contact_frames:
+            self.assertLess(np.linalg.norm(balls - frame[:3], axis=1).min(), 0.006)
         simulator.AdvanceTo(0.055)
         np.testing.assert_allclose(plant.GetVelocities(context), step.velocity, atol=1e-9)
         self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
@@ -273,6 +326,35 @@ class Pinocchio(unittest.TestCase):
         step = lcpbench.pinocchio.capture(model, model.createData(), pinocchio.neutral(model), v, np.zeros(6),
                                           [contact], [contact.createData()], 0.01)
         np.testing.assert_allclose(lcpbench.solve(step.problem).normal_impulses, [2 * (1 + 9.81 * 0.01)])
+
+    def test_contacts_have_names_and_places_and_geometries_poses(self):
+        model, geometry = pinocchio.Model(), pinocchio.GeometryModel()
+        joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "root")
+        model.appendBodyToJoint(joint, pinocchio.Inertia(2, np.zeros(3), np.eye(3)), pinocchio.SE3.Identity())
+        foot = pinocchio.SE3(np.eye(3), np.array([0.1, 0, -0.2]))
+        model.addFrame(pinocchio.Frame("FL_foot", joint, foot, pinocchio.FrameType.OP_FRAME))
+        for name, parent, shape, at in (("sole", joint, coal.Box(0.1, 0.2, 0.04), foot),
+                                        ("ball", joint, coal.Sphere(0.3), pinocchio.SE3.Identity()),
+                                        ("floor", 0, coal.Halfspace(np.array([0, 0, 1.0]), 0.5), pinocchio.SE3.Identity())):
+            geometry.addGeometryObject(pinocchio.GeometryObject(name, parent, at, shape))
+        tilted = pinocchio.SE3(pinocchio.utils.rotate("x", 0.3), np.zeros(3))
+        contacts = [pinocchio.PointContactConstraintModel(model, 0, tilted, joint, foot) for _ in range(3)]
+        contacts[1].geom1_id, contacts[1].geom2_id = 2, 0
+        contacts[2].name = "mine"
+        q = np.array([0, 0, 0.7, 0, 0, np.sqrt(0.5), np.sqrt(0.5)])  # a quarter turn
+        step = lcpbench.pinocchio.capture(model, model.createData(), q, np.zeros(6), np.zeros(6), contacts,
+                                          [each.createData() for each in contacts], 0.01, geometry=geometry)
+        self.assertEqual(step.contact_ids, ["FL_foot on universe", "sole on floor", "mine"])
+        self.assertRegex(lcpbench.check(step, np.zeros((3, 3))).worst, "FL_foot on universe|sole on floor|mine")
+        np.testing.assert_allclose(step.contact_frames[0], [0, 0.1, 0.5, 0, -np.sin(0.3), np.cos(0.3), 1, 0, 0], atol=1e-12)
+        half = np.sqrt(0.5)
+        for k, position in enumerate(([0, 0.1, 0.5], [0, 0, 0.7])):
+            same_pose(self, step, k, position, (half, 0, 0, half))
+        same_pose(self, step, 2, (0, 0, 0), (1, 0, 0, 0))
+        shapes = lcpbench.pinocchio.shapes(geometry)
+        self.assertEqual([each[:2] for each in shapes], [(0, "box"), (1, "sphere"), (2, "plane")])
+        np.testing.assert_allclose(shapes[0][2], [0.05, 0.1, 0.02])
+        draws(self, step, shapes)
 
     def test_other_constraints_are_outside(self):
         model = pinocchio.buildSampleModelManipulator()

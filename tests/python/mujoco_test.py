@@ -121,6 +121,24 @@ class Capture(unittest.TestCase):
                 self.assertGreater(np.abs(step.impulses[:, 1:]).max(), 0 if condim > 1 else -1)
                 self.assertFalse(lcpbench.check(step.problem, 1.01 * step.impulses, model="convex"))
 
+    def test_meshes_are_boxes_and_what_only_decorates_is_left_out(self):
+        model = mujoco.MjModel.from_xml_string("""
+<mujoco><asset><mesh name="m" vertex="0 0 0  .2 0 0  0 .4 0  .2 .4 0  0 0 .6  .2 0 .6  0 .4 .6  .2 .4 .6"/></asset>
+  <worldbody><geom type="plane" size="1 1 1"/>
+    <body pos="0 0 1" euler="0 0 90"><freejoint/><geom type="mesh" mesh="m" contype="0" conaffinity="0"/>
+      <geom type="capsule" size=".1 .2"/></body>
+    <body pos="3 0 1" euler="0 0 90"><freejoint/><geom type="mesh" mesh="m" pos="1 0 0"/></body></worldbody></mujoco>""")
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        plane, capsule, box = lcpbench.mujoco.shapes(model)
+        self.assertEqual((plane, capsule), ((0, "plane", (0, 0, 1, 0)), (2, "capsule", (0.1, 0.2))))
+        self.assertEqual(box[:2], (3, "box"))
+        np.testing.assert_allclose(sorted(box[2]), [0.1, 0.2, 0.3], atol=1e-6)
+        poses = lcpbench.mujoco.capture(model, data).poses
+        corners = box[2] * np.array(list(itertools.product((-1, 1), repeat=3)))
+        placed = poses[3, :3] + corners @ poses[3, 3:].reshape(3, 3).T
+        np.testing.assert_allclose([placed.min(axis=0), placed.max(axis=0)], [[2.6, 1, 1], [3, 1.2, 1.6]], atol=1e-6)
+
     def test_wrong_arguments_are_named(self):
         model, data, _ = simulated()
         with self.assertRaisesRegex(TypeError, r"expected \(model, data\).* got \(MjData, MjModel\)"):
