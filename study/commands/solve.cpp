@@ -435,8 +435,22 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
   return table_text(columns, rows);
 }
 
+/// The answer that is shown where nobody named a solver: that of `auto`, which rests where contacts can, with the
+/// impulses of equally stiff contacts, if it is verified as the best one is; else the best one.
+Attempt answer_to_show(const Problem& problem, const std::vector<Attempt>& attempts, BoundedCertifier& certifier,
+                       const SolveArguments& arguments) {
+  const Attempt& best = attempts.front();
+  const Spec spec{"auto", problem.contact() != nullptr ? Options{{"impulses", "even"}} : Options{}};
+  if (best.verdict != Verdict::kSolved || best.model != FrictionModel::kPyramid) return best;
+  Judge judge(problem, certifier, arguments.solved_at);
+  Attempt shown = attempt(problem, spec, *open_solver(spec), judge, arguments.time_limit_s, false);
+  shown.verdict = verdict(shown.timed.answer.claim, shown.judgement.errors, best.truth);
+  return shown.verdict == Verdict::kSolved ? shown : best;
+}
+
+/// @param shown  the answer itself that is printed; nullptr: none is
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, Json rows,
-                    const ModelErrors& model_errors, bool named, bool alone) {
+                    const ModelErrors& model_errors, bool named, const Attempt* shown) {
   say_folded("{}\n", problem_summary_text(problem, file));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
@@ -451,13 +465,14 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   if (table.find("model's m/s") != std::string::npos) say_folded("{}", kTwoErrors);
   print_reasons(attempts, named);
   print_nearly(attempts);
-  if (alone) print_solution(problem, file, attempts.front());
+  if (shown != nullptr) print_solution(problem, file, *shown);
   print_conclusion(attempts);
   print_spread(problem, attempts);
-  if (alone) print_impulses(problem, attempts.front());
-  print_coarse_model(problem, file, attempts.front());
+  const Attempt& answer = shown != nullptr ? *shown : attempts.front();
+  if (shown != nullptr) print_impulses(problem, answer);
+  print_coarse_model(problem, file, answer);
   print_model_errors(model_errors);
-  print_velocity(attempts.front());
+  print_velocity(answer);
   say(stdout, "\n");
 }
 
@@ -497,7 +512,11 @@ int solve(const SolveArguments& arguments) {
     }
     if (arguments.json) return;
     if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, rows, errors, solvers.named(), alone);
+      std::optional<Attempt> shown;
+      if (alone && !attempts.empty()) {
+        shown = solvers.named() ? attempts.front() : answer_to_show(problem, attempts, certifier, arguments);
+      }
+      print_attempts(problem, file, attempts, rows, errors, solvers.named(), shown ? &*shown : nullptr);
     }
     rows.clear();
   };

@@ -274,6 +274,17 @@ TEST_F(CommandLineTest, SolveSaysWhichImpulsesItShows) {
   }
 }
 
+// A block on two equal contacts, of which the fastest solvers load one alone.
+TEST_F(CommandLineTest, SolveShowsTheImpulsesOfEquallyStiffContactsUnlessASolverIsNamed) {
+  write_problem_of("two.json", R"("kind":"contact","v":[-0.1],"N":[[1,1]],"G":[[1.2]])");
+  const std::string text = done("solve two.json");
+  for (const char* words : {"contacts (auto{impulses=even}):", "\n0              0.06\n", "\n1              0.06\n",
+                            "auto{impulses=even} shows those that equally stiff"}) {
+    EXPECT_TRUE(contains(text, words)) << words << "\n" << text;
+  }
+  EXPECT_TRUE(contains(done("solve two.json --solver lemke"), "contacts (lemke):"));
+}
+
 TEST_F(CommandLineTest, SolveAndCertifyShowTheAnswerItself) {
   std::ofstream(folder_ / "lcp.json") << R"({"format":"lcpbench-problem","version":1,"name":"l","kind":"lcp",)"
                                       << R"("M":[[2,1],[1,2]],"q":[-5,-6]})";
