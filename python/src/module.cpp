@@ -18,6 +18,7 @@
 #include "native/lcpbench_checks.h"
 #include "python/src/arrays.h"
 #include "python/src/mujoco_step.h"
+#include "study/evaluation/cone_friction.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
 #include "study/output/explanation.h"
@@ -269,7 +270,7 @@ Vector complete_answer(const Problem& problem, const nb::object& value, const st
   const Index n = problem.size();
   if (problem.contact() == nullptr) return vector(value, "impulses", n);
   const ContactProblem& contact = *problem.contact();
-  const std::string no_cone = friction == FrictionModel::kPyramid ? "" : why_no_round_cone(contact);
+  const std::string no_cone = friction == FrictionModel::kPyramid ? "" : why_no_cone(contact);
   if (!no_cone.empty()) throw InputError("model '" + model + "': " + no_cone);
   if (given.ndim() == 1 && length(given, 0) == n) return vector(value, "impulses");
   return complete_impulses(contact, contact_impulses(contact, value, "(" + std::to_string(n) + ",) for z, "));

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/round_cone.h"
+#include "core/selection.h"
 #include "study/evaluation/measures.h"
 
 namespace lcpbench {
@@ -16,6 +18,14 @@ Quad finite_or_infinity(Quad x) { return is_finite(x) ? x : Quad{std::numeric_li
 }  // namespace
 
 Quad ConeFriction::Tangential::length() const { return length_of(first, second); }
+
+std::string why_no_cone(const ContactProblem& problem) {
+  std::vector<Index> in_space;
+  for (Index i = 0; i < problem.nc(); ++i) {
+    if (problem.edges[static_cast<std::size_t>(i)] != 2) in_space.push_back(i);
+  }
+  return why_no_round_cone(std::ssize(in_space) == problem.nc() ? problem : select_contacts(problem, in_space));
+}
 
 ConeFriction::ConeFriction(const ContactProblem& problem, ContactLcp& lcp)
     : problem_(problem), layout_(lcp.layout()), lcp_(lcp) {}
@@ -45,7 +55,8 @@ ConeFriction::Tangential ConeFriction::impulse_of(Index contact, const QuadVecto
 
 /// Not from w, in which a large lambda hides it.
 ConeFriction::Tangential ConeFriction::relative_slip(Index contact, const QuadVector& z, const QuadVector& u) const {
-  return {lcp_.velocity(direction(contact, 0), z, u), lcp_.velocity(second(contact), z, u)};
+  const Quad along_second = edges(contact) > 2 ? lcp_.velocity(second(contact), z, u) : Quad{0};  // in the plane: none
+  return {lcp_.velocity(direction(contact, 0), z, u), along_second};
 }
 
 /// M_tt

@@ -6,9 +6,13 @@
 
 namespace lcpbench {
 
+/// Why a problem's friction has no cone to be measured by, or "": why_no_round_cone() of the contacts that have other than
+/// 2 directions. Those of 2 have the cone of a problem in the plane.
+std::string why_no_cone(const ContactProblem& problem);
+
 /// The conditions of the round Coulomb cone, and of its convex relaxation, at one contact, in 113 bits.
 /// measure_friction() and Errors::model_error_m_per_s both use this definition.
-/// @pre for all members but has_friction(): why_no_round_cone() is empty
+/// @pre for all members but has_friction(): why_no_cone() is empty
 ///
 /// f is the contact's impulse and w = J'u + offset + compliance f, each with a part along the normal (f_N) and one
 /// along the tangents (f_t). M_nn is the diagonal entry of M for the normal, M_tt the larger one of the two tangents'.
@@ -37,7 +41,8 @@ class ConeFriction {
   Quad impulse(Index contact, const QuadVector& z) const { return impulse_of(contact, z).length(); }
   /// |J_t'u| [m/s].
   Quad slip(Index contact, const QuadVector& u) const {
-    return Tangential{lcp_.project(direction(contact, 0), u), lcp_.project(second(contact), u)}.length();
+    const Quad along_second = edges(contact) > 2 ? lcp_.project(second(contact), u) : Quad{0};
+    return Tangential{lcp_.project(direction(contact, 0), u), along_second}.length();
   }
   /// mu f_N - |f_t| [N s].
   Quad slack(Index contact, const QuadVector& z) const;

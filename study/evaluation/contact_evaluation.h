@@ -19,7 +19,7 @@ struct ContactEvaluation {
       : problem(contact), islands(of_rows), inertia(contact.inertia) {
     if (!inertia.well_defined()) return;
     lcp.emplace(contact, inertia);
-    if (contact.frictional() && why_no_round_cone(contact).empty()) cone.emplace(contact, *lcp);
+    if (contact.frictional() && why_no_cone(contact).empty()) cone.emplace(contact, *lcp);
   }
 
   /// @param v_plus, w  the response and all rows of the LCP under z
@@ -34,7 +34,7 @@ struct ContactEvaluation {
   const IslandRows& islands;
   RefinedInertia inertia;
   std::optional<ContactLcp> lcp;
-  std::optional<ConeFriction> cone;  // none without friction, or if its directions name no round cone
+  std::optional<ConeFriction> cone;  // none without friction, or if its directions name no cone
   std::optional<QuadVector> v_star;
 
  private:

@@ -68,7 +68,7 @@ void measure_by_cone(ContactEvaluation& evaluation, const RowIslands& islands, c
 /// in the velocity. Impulses outside of their cones are first shortened, and the change of velocity is added.
 ///
 /// Infinite where a contact without compliance has a lack, and where G is not proven positive definite. NaN for more
-/// than 4 edges, whose directions are sums of the tangents only to rounding. @pre why_no_round_cone() is ""
+/// than 4 edges, whose directions are sums of the tangents only to rounding. @pre why_no_cone() is ""
 double optimum_distance(const ContactEvaluation& evaluation, const Vector& impulses) {
   constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   const ContactProblem& problem = evaluation.problem;
@@ -140,7 +140,7 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   const RowIslands islands = row_islands(*contact);
   const IslandRows rows(islands);
   ContactEvaluation evaluation(*contact, rows);
-  errors.unresolved = evaluation.inertia.unresolved() || !why_no_round_cone(*contact).empty();
+  errors.unresolved = evaluation.inertia.unresolved() || !why_no_cone(*contact).empty();
   if (!evaluation.lcp || errors.unresolved) return;
   const Errors unmeasured = errors;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);

@@ -23,7 +23,7 @@ FrictionModel friction_model(FrictionModel of_solver, const Problem& problem);
 /// The second is zero exactly if |f_t| <= mu f_N, and w_t is zero, or f_t is opposite to w_t and |f_t| = mu f_N [Alart,
 /// Curnier 1991]. rho and the rule of `solved` are those of the pyramid. The worst row is the cone row of the contact:
 /// its z is |u_t|, its w is mu f_N - |f_t|. The model's error is the residual itself. natural_residual,
-/// complementarity_j and forward_velocity are NaN. Where why_no_round_cone() has a reason, the answer is not
+/// complementarity_j and forward_velocity are NaN. Where why_no_cone() has a reason, the answer is not
 /// measured: Errors::unresolved.
 ///
 /// kConvex, Anitescu's convex relaxation [2006]. Its answer has the least 1/2 |v+ - v|_G^2 + 1/2 f'R f, R the

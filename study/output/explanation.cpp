@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "core/round_cone.h"
+#include "study/evaluation/cone_friction.h"
 
 namespace lcpbench {
 namespace {
@@ -156,7 +156,7 @@ std::string ended_with(const JudgedAnswer& answer) {
 
 std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   if (answer.claim == Claim::kSolved) {
-    const std::string no_cone = answer.model == FrictionModel::kPyramid ? "" : why_no_round_cone(*problem.contact());
+    const std::string no_cone = answer.model == FrictionModel::kPyramid ? "" : why_no_cone(*problem.contact());
     if (!no_cone.empty()) return "said solved; not measured, because no round cone is known for " + no_cone;
     return "said solved; inertia unresolved: the answer is not measured, as 113 bits do not tell the rank of G";
   }

@@ -174,6 +174,19 @@ class Judge(unittest.TestCase):
         self.assertEqual(solve(problem, error=1e-6).solver, "cone_ipm{cone=true}")
         self.assertEqual(solve(problem, error=1.0).solver, "auto")
 
+    def test_a_contact_in_the_plane_has_a_cone(self):
+        # Of 2 directions, alone and beside one of 4: it slides on at 0.5 m/s, braked by 0.5 N s.
+        planar = Problem(G=np.eye(2), N=[[0], [1.0]], D=[[1.0, -1], [0, 0]], mu=0.5, v=[1.0, -1])
+        two = Problem(G=np.eye(5), N=np.eye(5)[:, [1, 4]], D=np.array([[1.0, -1, 0, 0, 0, 0], [0] * 6, [0, 0, 1, 0, -1, 0],
+                                                                        [0, 0, 0, 1, 0, -1], [0] * 6]),
+                      edges=[2, 4], mu=0.5, v=[1.0, -1, 3, 4, -1])
+        for problem, right, wrong in ((planar, [1, 0, 0.5], [1, 0, 0.4]),
+                                      (two, [1, 1, 0, 0.5, 0, 0, 0.3, 0.4], [1, 1, 0, 0.4, 0, 0, 0.3, 0.4])):
+            found = check(problem, right, model="cone")
+            self.assertEqual(found.verdict, "solved", found)
+            self.assertLess(found.residual, 1e-15)
+            self.assertEqual(check(problem, wrong, model="cone").verdict, "wrong")
+
     def test_an_error_is_a_bound_or_no_claim(self):
         hexagon = np.array([[math.cos(a), math.sin(a), 0] for a in math.pi / 3 * np.arange(3)]).T
         problem = Problem(G=np.eye(3), N=[[0], [0], [1.0]], D=np.hstack([hexagon, -hexagon]), mu=0.5, v=[1, 0.5, -1.0])
