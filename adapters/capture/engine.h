@@ -51,7 +51,7 @@ struct ContactState {
   int body_a = kWorld;  ///< index in Snapshot::bodies
   int body_b = kWorld;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< from body_b into body_a
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< from body_b into body_a; zero where there is no place
   Eigen::Vector3d tangent = Eigen::Vector3d::UnitX();
   std::optional<Rows> rows;  ///< of articulated scenes, in place of the bodies
   double mu = 0;
@@ -86,7 +86,8 @@ struct Snapshot {
   std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included
 };
 
-/// The shape that a pose in Snapshot::poses belongs to, for pictures. Sizes are half lengths and radii [m].
+/// The shape that a pose in Snapshot::poses belongs to, for pictures; without a type: none. Sizes are half lengths and
+/// radii [m].
 struct Drawn {
   std::string type;
   std::vector<double> size;

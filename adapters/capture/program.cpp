@@ -1,11 +1,10 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT MARKS
-// COMMAND. It runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts, and one that
-// fails, into FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver.
-// `lcpbench capture` starts the program and checks FILE by HASHES, which gets the hash of each written step's problem.
-// With TRACK, a file too, it is a replay, started by `lcpbench replay`: every step is measured (track.h), steps without
-// contacts and the last one are written too, and TRACK says which failure ended it. With SOFT, contacts are the
-// softened ones that the engine itself solves. MARKS names what of MODEL is measured, see read_marks(). COMMAND starts
-// an engine that is a program of the user's. MODEL, TRACK, HASHES, SOFT, MARKS and COMMAND may be empty.
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK SOFT MARKS COMMAND. It
+// runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts, and one that fails, into
+// FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver. With TRACK, a file
+// too, it is a replay: every step is measured (track.h), steps without contacts and the last one are written too, and
+// TRACK says which failure ended it. With SOFT, contacts are the softened ones that the engine itself solves. MARKS names
+// what of MODEL is measured, see read_marks(). COMMAND starts an engine that is a program of the user's. MODEL, TRACK,
+// SOFT, MARKS and COMMAND may be empty.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -21,11 +20,9 @@
 #include <vector>
 
 #include "adapters/capture/engine.h"
-#include "adapters/capture/problem.h"
 #include "adapters/capture/step_loop.h"
 #include "adapters/capture/track.h"
 #include "core/error.h"
-#include "core/io/problem_io.h"
 #include "examples/capture/capture.h"
 
 namespace lcpbench::capture {
@@ -73,7 +70,6 @@ struct Arguments {
   std::string file;
   std::string loop;
   std::string track;  ///< empty: no replay
-  std::string hashes;
   std::string soft;
   std::string marks;
   std::string command;
@@ -115,6 +111,9 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
     const int index = write_contact(file, contact);
     lcpbench_capture_soft(file, contact.compliance_n, contact.compliance_t, contact.offset_t(0), contact.offset_t(1));
     lcpbench_capture_gap(file, index, contact.gap);
+    if (contact.rows && !contact.normal.isZero(0)) {  // of a joint's limit it is
+      lcpbench_capture_frame(file, index, contact.point.data(), contact.normal.data(), contact.tangent.data());
+    }
     if (snapshot.has_impulses) {
       lcpbench_capture_impulse(file, index, contact.impulse(0), contact.impulse(1), contact.impulse(2));
     }
@@ -171,6 +170,7 @@ CaptureFile open_file(const Arguments& arguments, const Engine& engine) {
   lcpbench_capture_gravity(file.get(), engine.gravity().data());
   const std::vector<Drawn> drawn = engine.drawn();
   for (std::size_t i = 0; i < drawn.size(); ++i) {
+    if (drawn[i].type.empty()) continue;
     lcpbench_capture_shape(file.get(), static_cast<int>(i), drawn[i].type.c_str(), drawn[i].size.data(),
                            static_cast<int>(drawn[i].size.size()));
   }
@@ -207,8 +207,6 @@ int run(const Arguments& arguments) {
   std::unique_ptr<Track> track;
   if (replay) track = std::make_unique<Track>(arguments.track, *engine);
   Snapshot snapshot;
-  std::ofstream hashes;
-  if (!arguments.hashes.empty()) hashes.open(arguments.hashes);
   const long steps = arguments.steps > 0 ? arguments.steps : scene.steps;
   for (long step = 0; step < steps; ++step) {
     engine->step(step, snapshot, loop);
@@ -225,7 +223,6 @@ int run(const Arguments& arguments) {
         snapshot.velocity_after.resize(0);
         snapshot.has_impulses = false;
       }
-      if (!replay) hashes << step << ' ' << problem_hash(problem_of(snapshot)) << std::endl;
       write_step(file.get(), step, static_cast<double>(step) * h, snapshot, !arguments.command.empty());
     }
     if (failure.empty()) continue;
@@ -242,13 +239,13 @@ int run(const Arguments& arguments) {
 }  // namespace lcpbench::capture
 
 int main(int argc, char** argv) {
-  if (argc != 12) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT MARKS COMMAND\n", argv[0]);
+  if (argc != 11) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK SOFT MARKS COMMAND\n", argv[0]);
     return 2;
   }
   try {
     return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5],
-                                   argv[6], argv[7], argv[8], argv[9], argv[10], argv[11]});
+                                   argv[6], argv[7], argv[8], argv[9], argv[10]});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -105,7 +106,16 @@ class MujocoEngine final : public Engine {
 
   std::vector<Drawn> drawn() const override {
     std::vector<Drawn> result;
+    std::set<int> solid;  // bodies with geometries that can touch others, which alone are drawn then
+    const auto touches = [&](int geom) { return model_->geom_contype[geom] != 0 || model_->geom_conaffinity[geom] != 0; };
     for (int geom = 0; geom < model_->ngeom; ++geom) {
+      if (touches(geom)) solid.insert(model_->geom_bodyid[geom]);
+    }
+    for (int geom = 0; geom < model_->ngeom; ++geom) {
+      if (!touches(geom) && solid.contains(model_->geom_bodyid[geom])) {
+        result.emplace_back();
+        continue;
+      }
       const mjtNum* size = model_->geom_size + 3 * geom;
       switch (model_->geom_type[geom]) {
         case mjGEOM_PLANE: result.push_back({"plane", {0, 0, 1, 0}}); break;

@@ -85,6 +85,10 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
                                         const double* tangent1, const double* tangent2, double mu, int edges, double b,
                                         const char* id);
 
+/* Optional, for pictures: where a contact of blocks is, with the unit normal and the first unit tangent, in the world. */
+static inline void lcpbench_capture_frame(lcpbench_capture* c, int contact, const double point[3],
+                                          const double normal[3], const double tangent[3]);
+
 /* Optional: the contact given last is soft, w_N = N'v+ + b + compliance_n f_N, and along each tangent the velocity is
  * offset by offset_t + compliance_t f_T [m/s per N s, m/s]. See docs/reference/problem-file.md. */
 static inline void lcpbench_capture_soft(lcpbench_capture* c, double compliance_n, double compliance_t, double offset_t1,
@@ -119,9 +123,10 @@ typedef struct {
 typedef struct {
   int edges;
   int turned; /* -1 when the bodies changed places because the first was the world, else 1 */
-  int has_gap, has_impulse;
+  int has_gap, has_impulse, has_frame;
   double gap;
   double impulse[3];
+  double frame[9];
   double soft[4]; /* compliance_n, compliance_t, offset_t */
   size_t text_end; /* of a contact of bodies: of its fields in the step's text */
 } lcpbench_contact_;
@@ -161,7 +166,7 @@ struct lcpbench_capture {
   int any_step;
   double time;
   double solve_s; /* negative: not told */
-  int bodies, blocks, coordinates, n_entries, d_entries, has_b, has_soft, has_ids, has_friction;
+  int bodies, blocks, coordinates, n_entries, d_entries, has_b, has_soft, has_ids, has_friction, has_frames;
   lcpbench_contact_* contacts;
   int contact_count, contact_room;
   lcpbench_pose_* poses;
@@ -373,7 +378,7 @@ static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double 
   c->solve_s = -1;
   for (i = LCPBENCH_BODIES_; i < LCPBENCH_TEXTS_; ++i) c->text[i].size = 0;
   c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = 0;
-  c->has_b = c->has_soft = c->has_ids = c->has_friction = c->contact_count = c->pose_count = 0;
+  c->has_b = c->has_soft = c->has_ids = c->has_friction = c->has_frames = c->contact_count = c->pose_count = 0;
 }
 
 static inline int lcpbench_in_step_(lcpbench_capture* c) {
@@ -406,7 +411,7 @@ static inline int lcpbench_capture_body(lcpbench_capture* c, double mass, const 
 
 /* What contacts of both kinds have; the new contact's index, -1 without memory. */
 static inline int lcpbench_new_contact_(lcpbench_capture* c, int edges, int turned, const char* id) {
-  lcpbench_contact_ contact = {0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0, 0}, 0};
+  lcpbench_contact_ contact = {0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 0}, 0};
   void* data = c->contacts;
   size_t room = (size_t)c->contact_room;
   if (!lcpbench_grow_(c, &data, &room, (size_t)c->contact_count + 1, sizeof contact)) return -1;
@@ -621,6 +626,19 @@ static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, do
   c->contacts[contact].has_impulse = 1;
 }
 
+static inline void lcpbench_capture_frame(lcpbench_capture* c, int contact, const double point[3],
+                                          const double normal[3], const double tangent[3]) {
+  if (!lcpbench_is_contact_(c, contact)) return;
+  if (c->blocks == 0) {
+    lcpbench_fail_(c, "a frame of a contact of bodies, which has its own");
+    return;
+  }
+  memcpy(c->contacts[contact].frame, point, 3 * sizeof(double));
+  memcpy(c->contacts[contact].frame + 3, normal, 3 * sizeof(double));
+  memcpy(c->contacts[contact].frame + 6, tangent, 3 * sizeof(double));
+  c->contacts[contact].has_frame = c->has_frames = 1;
+}
+
 static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const double* velocity) {
   if (!lcpbench_in_step_(c)) return;
   c->text[LCPBENCH_VELOCITY_].size = 0;
@@ -704,6 +722,16 @@ static inline void lcpbench_impulses_(lcpbench_capture* c, lcpbench_text_* line)
   lcpbench_add_(c, line, "]");
 }
 
+static inline void lcpbench_frames_(lcpbench_capture* c, lcpbench_text_* line) {
+  int i;
+  lcpbench_add_(c, line, ",\"contact_frames\":[");
+  for (i = 0; i < c->contact_count; ++i) {
+    lcpbench_next_(c, line);
+    lcpbench_numbers_(c, line, c->contacts[i].frame, c->contacts[i].has_frame ? 9 : 0);
+  }
+  lcpbench_add_(c, line, "]");
+}
+
 static inline void lcpbench_poses_(lcpbench_capture* c, lcpbench_text_* line) {
   int i;
   lcpbench_add_(c, line, ",\"poses\":[");
@@ -764,6 +792,7 @@ static inline void lcpbench_capture_end_step(lcpbench_capture* c) {
   lcpbench_add_(c, &line, "}");
   if (lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_gap))) lcpbench_gaps_(c, &line);
   if (c->has_ids) lcpbench_list_(c, &line, ",\"contact_ids\":[", LCPBENCH_IDS_, "]");
+  if (c->has_frames) lcpbench_frames_(c, &line);
   if (c->pose_count > 0) lcpbench_poses_(c, &line);
   if (impulses || velocity || c->solve_s >= 0) {
     lcpbench_add_(c, &line, ",\"engine\":{");

@@ -131,7 +131,7 @@ std::optional<ReplayFiles> step_on(const ReplayArguments& arguments, const std::
   const capture::EngineRun run =
       capture::run_engine(capture::engine_spec(engine),
                           {scene, arguments.model, std::to_string(every), std::to_string(steps),
-                           frames.draft().string(), stepper, track.draft().string(), "", "", marks_text(arguments)},
+                           frames.draft().string(), stepper, track.draft().string(), "", marks_text(arguments)},
                           stop);
   if (*stop != 0) return std::nullopt;
   if (run.ending == "exited with code 2") throw InputError(run.message);

@@ -8,7 +8,6 @@
 #include "study/output/json_output.h"
 #include "study/output/text_table.h"
 #include "study/view/contact_numbers.h"
-#include "study/view/contact_places.h"
 #include "study/view/shapes.h"
 #include "study/view/view.h"
 
@@ -80,29 +79,42 @@ Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
   return picture;
 }
 
-Json contacts_json(const SceneStep& step, const std::vector<std::optional<ContactPlace>>& places,
-                   std::vector<std::string>& notes) {
+/// A contact's point, normal and tangents in the world; no numbers where the file does not tell. Of kind `contact` the
+/// step has them, or not.
+std::vector<std::vector<Vector3d>> contact_places(const SceneStep& step) {
+  std::vector<std::vector<Vector3d>> places(static_cast<std::size_t>(step.problem.contact()->nc()));
+  const auto set = [&](std::size_t c, const Vector3d& point, const Vector3d& normal, const Vector3d& tangent) {
+    places[c] = {point, normal, tangent, normal.cross(tangent)};
+  };
+  const RigidScene* scene = step.problem.scene();
+  for (std::size_t c = 0; scene != nullptr && c < places.size(); ++c) {
+    set(c, scene->contacts[c].point, scene->contacts[c].normal, scene->contacts[c].tangent);
+  }
+  for (std::size_t c = 0; scene == nullptr && c < step.contact_frames.size(); ++c) {
+    const auto three = [&](Index at) { return Vector3d(step.contact_frames[c].data() + at); };
+    if (!step.contact_frames[c].empty()) set(c, three(0), three(3), three(6));
+  }
+  return places;
+}
+
+Json contacts_json(const SceneStep& step, std::vector<std::string>& notes) {
   const ContactProblem& problem = *step.problem.contact();
   const RigidScene* scene = step.problem.scene();
   Json points = Json::array();
   Json axes = Json::array();
   Json bodies = Json::array();
+  const std::vector<std::vector<Vector3d>> places = contact_places(step);
   std::size_t found = 0;
   for (std::size_t c = 0; c < places.size(); ++c) {
     const auto& place = places[c];
-    if (place) ++found;
-    points.push_back(place ? view_row(place->point) : Json());
-    axes.push_back(place ? rows_json(std::array{place->normal, place->tangent, place->second_tangent}) : Json());
+    if (!place.empty()) ++found;
+    points.push_back(place.empty() ? Json() : view_row(place[0]));
+    axes.push_back(place.empty() ? Json() : rows_json(std::array{place[1], place[2], place[3]}));
     if (scene != nullptr) bodies.push_back({scene->contacts[c].body_a, scene->contacts[c].body_b});
   }
-  if (scene == nullptr && !step.contact_frames.empty()) {
-    notes.emplace_back("Velocities of coordinates are not those of bodies: arrows show velocities of contacts.");
-  } else if (scene == nullptr) {
-    notes.emplace_back(found > 0 ? "The file names no contact points. They are derived from the rows of the contacts, "
-                                   "and checked against the shapes."
-                                 : "The file does not tell where the contacts are. Their numbers are in the table.");
-    if (found > 0 && found < places.size()) {
-      notes.push_back(fmt::format("{} only in the table: limits of joints, or contacts whose place cannot be derived.",
+  if (scene == nullptr) {
+    if (found < places.size()) {
+      notes.push_back(fmt::format("{} only in the table: limits of joints, or contacts whose place the file does not tell.",
                                   counted_noun(places.size() - found, "contact")));
     }
     notes.emplace_back("Velocities of coordinates are not those of bodies: arrows show velocities of contacts.");
@@ -155,7 +167,7 @@ Json step_view(const ScenesHeader& header, const SceneStep& step, const std::str
                const std::vector<ViewedAnswer>& answers) {
   const ContactProblem& problem = *step.problem.contact();
   Picture picture = picture_of(header, step);
-  Json contacts = contacts_json(step, contact_places(header, step), picture.notes);
+  Json contacts = contacts_json(step, picture.notes);
   Json positions = Json::array();
   if (const RigidScene* scene = step.problem.scene()) {
     for (const RigidBody& body : scene->bodies) positions.push_back(view_row(body.position));

@@ -37,8 +37,7 @@ class Capture : public ::testing::Test {
     return ScenesFile(file);
   }
 
-  /// A stand-in for ODE's program: writes step 3 and its hash, begins step 4, and goes on with the given shell
-  /// commands.
+  /// A stand-in for ODE's program: writes step 3, begins step 4, and goes on with the given shell commands.
   void stand_in(const std::string& commands) const {
     const std::string problem =
         R"({"format":"lcpbench-problem","version":1,"name":"stack step 3","kind":"scene","bodies":[{"mass":1,)"
@@ -51,7 +50,6 @@ class Capture : public ::testing::Test {
                            << R"({"step":3,"problem":)" << problem << "}\nEND\n"
                            << R"(printf '{"step":4,"prob' >> "$5")"
                            << "\n"
-                           << "echo 3 " << problem_hash(parse_problem_json(problem, "stand-in")) << " > \"$8\"\n"
                            << commands << "\n";
     fs::permissions(program, fs::perms::owner_all);
   }

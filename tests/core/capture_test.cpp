@@ -110,12 +110,15 @@ TEST_F(CaptureTest, RowsBecomePyramids) {
   const double n3[3] = {0, 0, 1}, x3[3] = {x[0], x[1], 0}, y3[3] = {y[0], y[1], 0};
   for (const int edges : {2, 4, 8, 16}) lcpbench_capture_rows(capture, 3, all, n3, x3, y3, 0.5, edges, 0.0, nullptr);
   for (int contact = 0; contact < 5; ++contact) lcpbench_capture_impulse(capture, contact, 1, 0.3, -0.4);
+  lcpbench_capture_frame(capture, 3, v, n3, x3);
   lcpbench_capture_solve_time(capture, 2.5e-4);
   lcpbench_capture_end_step(capture);
   EXPECT_EQ(lcpbench_capture_close(capture), 0);
 
   const SceneStep step = ScenesFile(file_.string()).read(0);
   EXPECT_EQ(step.engine_solve_s, 2.5e-4);
+  const std::vector<std::vector<double>> frames{{}, {}, {}, {0, 0, -1, 0, 0, 1, 1, 0, 0}, {}};
+  EXPECT_EQ(step.contact_frames, frames);
   EXPECT_EQ(step.problem.engine_answer()->solve_s, 2.5e-4);
   EXPECT_EQ(step.problem.engine_answer()->engine, "engine 1");
   const ContactProblem& problem = *step.problem.contact();

@@ -15,7 +15,6 @@
 
 #include "core/io/problem_io.h"
 #include "generators/scenes/scenes.h"
-#include "study/view/contact_places.h"
 #include "tests/support/page_document.h"
 #include "tests/support/program_test.h"
 
@@ -49,77 +48,7 @@ struct Cube {
       const Vector3d corner = pose * Vector3d(0.5, y, -0.5);
       scene.contacts.push_back({.point = corner, .mu = 0.5, .edges = 4});
     }
-  }
-
-  /// The same as a problem of kind `contact`, its angular rows in the axes of the body or of the world.
-  void as_rows(bool in_body) {
-    ContactProblem problem = contact_problem(scene);
-    if (in_body) {
-      Matrix turn = Matrix::Identity(6, 6);
-      turn.bottomRightCorner(3, 3) = pose.rotation().transpose();
-      problem.N = Matrix(turn * to_dense(problem.N));
-      problem.D = Matrix(turn * to_dense(problem.D));
-    }
-    step.problem = Problem("cube", std::move(problem));
-  }
-};
-
-TEST(ContactPlaces, AreDerivedFromTheRowsOfABodyWithSixCoordinates) {
-  for (const bool in_body : {false, true}) {
-    Cube cube;
-    cube.as_rows(in_body);
-    const auto places = contact_places(cube.header, cube.step);
-    ASSERT_EQ(places.size(), 2u);
-    for (std::size_t c = 0; c < 2; ++c) {
-      ASSERT_TRUE(places[c]) << in_body;
-      EXPECT_LT((places[c]->point - cube.scene.contacts[c].point).norm(), 1e-12) << in_body;
-      EXPECT_LT((places[c]->normal - Vector3d::UnitZ()).norm(), 1e-12);
-      EXPECT_LT((places[c]->second_tangent - Vector3d::UnitY()).norm(), 1e-12);
-    }
-  }
-}
-
-TEST(ContactPlaces, AreNotToldWhereTheShapesDoNotConfirmThem) {
-  Cube cube;
-  cube.as_rows(true);
-  cube.header.shapes[1].size[3] = -0.1;  // the floor is 10 cm lower
-  for (const auto& place : contact_places(cube.header, cube.step)) EXPECT_FALSE(place);
-  cube.header.shapes.clear();
-  for (const auto& place : contact_places(cube.header, cube.step)) EXPECT_FALSE(place);
-}
-
-// Of a robot without six coordinates of its own, or without shapes.
-TEST(ContactPlaces, AreThoseThatTheStepTells) {
-  Cube cube;
-  cube.as_rows(true);
-  cube.header.shapes.clear();
-  cube.step.contact_frames = {{1, 2, 3, 0, 0, 1, 1, 0, 0}, {}};
-  const auto places = contact_places(cube.header, cube.step);
-  ASSERT_TRUE(places[0]);
-  EXPECT_EQ(places[0]->point, Vector3d(1, 2, 3));
-  EXPECT_EQ(places[0]->second_tangent, Vector3d::UnitY());
-  EXPECT_FALSE(places[1]);
-  const fs::path file = fs::path(testing::TempDir()) / "frames.scenes";
-  ScenesWriter writer(file.string(), cube.header);
-  writer.add(cube.step);
-  writer.close();
-  EXPECT_EQ(ScenesFile(file.string()).read(0).contact_frames, cube.step.contact_frames);
-  cube.step.contact_frames.pop_back();
-  EXPECT_THROW(scenes_line(cube.step), InputError);
-  fs::remove(file);
-}
-
-TEST(ContactPlaces, OfCollectedRobotsAreOnTwoShapes) {
-  for (const char* name : {"scene/quadruped-trotting/mujoco", "scene/quadruped-trotting/dart", "scene/hand/dart",
-                           "scene/hand/mujoco", "scene/humanoid-falling/mujoco"}) {
-    const auto file = open_collected(collected(name));
-    const SceneStep step = file->read(file->count() / 2);
-    const auto places = contact_places(file->header(), step);
-    for (std::size_t c = 0; c < places.size(); ++c) {
-      EXPECT_EQ(places[c].has_value(), step.problem.contact()->edges[c] > 0) << name << " contact " << c;
-    }
-  }
-}
+  }};
 
 /// Two frames, in which the second of two bodies falls by a metre.
 TEST(ReplayView, KeepsThePosesOfWhatDoesNotMoveOnce) {
@@ -235,6 +164,32 @@ TEST_F(ViewCommand, ColoursSoftContactsAndTheConvexModelByTheErrorOfTheirVerdict
     const std::vector<double> residuals = answer["residuals"];
     // The page's numbers have five digits, and their rounding beside speeds of 1 m/s is far below 1e-13.
     EXPECT_NEAR(*std::max_element(residuals.begin(), residuals.end()), error, 1e-5 * error + 1e-13) << answer["solver"];
+  }
+}
+
+/// Of a robot, whose coordinates do not show where its contacts are.
+TEST_F(ViewCommand, PutsContactsOfRobotsWhereTheStepTells) {
+  Cube cube;
+  cube.step.problem = Problem("cube", contact_problem(cube.scene));
+  cube.step.contact_frames = {{1, 2, 3, 0, 0, 1, 1, 0, 0}, {}};
+  write_scene("frames.scenes", cube.header, cube.step);
+  EXPECT_EQ(ScenesFile((folder_ / "frames.scenes").string()).read(0).contact_frames, cube.step.contact_frames);
+  const json contacts = run_json("view 'frames.scenes#0' --solver auto")["scenes"][0]["contacts"];
+  EXPECT_EQ(contacts["points"], json::parse("[[1, 2, 3], null]"));
+  EXPECT_EQ(contacts["axes"], json::parse("[[[0, 0, 1], [1, 0, 0], [0, 1, 0]], null]"));
+  cube.step.contact_frames.pop_back();
+  EXPECT_THROW(scenes_line(cube.step), InputError);
+}
+
+TEST_F(ViewCommand, DrawsEachContactOfTheCollectedRobots) {
+  for (const char* name : {"scene/quadruped-trotting/mujoco", "scene/quadruped-trotting/dart", "scene/hand/dart",
+                           "scene/hand/mujoco", "scene/humanoid-falling/mujoco"}) {
+    const auto file = open_collected(collected(name));
+    const SceneStep step = file->read(file->count() / 2);
+    ASSERT_FALSE(step.contact_frames.empty()) << name;
+    for (std::size_t c = 0; c < step.contact_frames.size(); ++c) {
+      EXPECT_EQ(!step.contact_frames[c].empty(), step.problem.contact()->edges[c] > 0) << name << " contact " << c;
+    }
   }
 }
 
