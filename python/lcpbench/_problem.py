@@ -174,7 +174,8 @@ class Problem:
         compliance_n: (nc,) or one number >= 0: softness along the normals [m/s per N s]. None: hard contacts.
         compliance_t: (nc,) or one number >= 0: softness of the contacts with friction along their tangents, alike.
         offset_t: (2 nc,) or (nc, 2): offset of the velocity along both tangents of contacts with friction [m/s].
-        tangents: (ngc, 2 nc), instead of D: both unit tangents of each contact, which get a pyramid of four edges.
+        tangents: (ngc, 2 nc), instead of D: both unit tangents of each contact, which get a pyramid of four edges. That they
+            are at right angles is the caller's promise, not tested.
         G_factors: (X, alpha), instead of G: G = X diag(alpha) X', of any rank.
         Ginv: (ngc, ngc), instead of G: its inverse, where nothing else is known.
         M, q: (n, n) and (n,), instead of all others: a bare LCP, z >= 0, M z + q >= 0, z'(M z + q) = 0.

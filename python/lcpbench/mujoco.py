@@ -14,6 +14,7 @@ from __future__ import annotations
 import copy
 import ctypes
 import pathlib
+import sys
 import warnings
 from typing import Any, Iterable
 
@@ -135,10 +136,18 @@ def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
     return numbered(map(name, rows))
 
 
+def _warn(text: str) -> None:
+    """At the line of the caller's that called this package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, stacklevel=level)
+
+
 def _warn_of_friction(dims: np.ndarray) -> None:
     for least, what in ((4, "torsional friction (condim 4 or 6)"), (6, "rolling friction (condim 6)")):
         if dims.max(initial=0) >= least:
-            warnings.warn(f"lcpbench.mujoco.capture: contacts have {what}, which is left out", stacklevel=3)
+            _warn(f"lcpbench.mujoco.capture: contacts have {what}, which is left out")
 
 
 def _check_pair(model: Any, data: Any) -> None:
@@ -159,9 +168,9 @@ def _frames(data: Any, rows: np.ndarray) -> np.ndarray:
 
 def _seen(model: Any, data: Any) -> dict[str, Any]:
     poses = np.hstack([data.geom_xpos, data.geom_xmat])
-    around = np.flatnonzero(model.geom_aabb[:, :3].any(axis=1) & (model.geom_type > 0))  # meshes: boxes beside their origin
-    for i in around:
-        poses[i, :3] += poses[i, 3:].reshape(3, 3) @ model.geom_aabb[i, :3]
+    if model.nmesh or model.nhfield:  # of these the middle of the box around them
+        for i in np.flatnonzero(model.geom_aabb[:, :3].any(axis=1) & (model.geom_type > 0)):
+            poses[i, :3] += poses[i, 3:].reshape(3, 3) @ model.geom_aabb[i, :3]
     return dict(time=float(data.time), poses=poses)
 
 
@@ -299,7 +308,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     if contact.dim.max(initial=0) > 3:
         _warn_of_friction(contact.dim[contact.efc_address >= 0])
     if hasattr(contact, "surfacevel") and np.any(contact.surfacevel):
-        warnings.warn("lcpbench.mujoco.capture: contacts have a velocity of their surface, which is left out", stacklevel=2)
+        _warn("lcpbench.mujoco.capture: contacts have a velocity of their surface, which is left out")
     first = data.ne + data.nf
     problem, qvel, impulses, frames, gap, rows = _native.mujoco_step(
         J, data.efc_force, data.efc_pos,
@@ -360,8 +369,12 @@ class Recorder(_files.Recorder):
 
         states = self._states.take()
         data = mujoco.MjData(self._model) if states else None
-        for i, state in enumerate(states):
-            mujoco.mj_setState(self._model, data, state, self._state)
-            mujoco.mj_step(self._model, data)
-            self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            for i, state in enumerate(states):
+                mujoco.mj_setState(self._model, data, state, self._state)
+                mujoco.mj_step(self._model, data)
+                self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)
+        for text in dict.fromkeys(str(each.message) for each in said):
+            _warn(text)
         super().close()

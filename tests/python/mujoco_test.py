@@ -396,6 +396,16 @@ class Capture(unittest.TestCase):
                 np.testing.assert_array_equal(step.impulses, taken.impulses)
                 np.testing.assert_array_equal(step.velocity, taken.velocity)
 
+    def test_a_recorder_warns_once_at_the_callers_line(self):
+        model, data, _ = simulated(steps=20, condim=6)
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            with lcpbench.mujoco.Recorder(os.path.join(folder, "loop.scenes"), model, data) as recorder:
+                for _ in range(3):
+                    recorder.before_step()
+                    mujoco.mj_step(model, data)
+        self.assertEqual([each.filename for each in said], 2 * [__file__])
+
     def test_a_recorded_loop_is_solved(self):
         model, data, _ = simulated()
         with tempfile.TemporaryDirectory() as folder:
