@@ -95,6 +95,7 @@ class MujocoEngine final : public Engine {
     else
       name_bodies();
     if (!file.empty()) {
+      if (model_->nkey > 0) mj_resetDataKeyframe(model_.get(), data_.get(), 0);
       if (has_only_free_bodies()) find_moving();
       name_marks();
     }

@@ -30,6 +30,8 @@ class _Engine:
     def model(self, file: str, soft: str, marks: list[str]) -> dict[str, Any]:
         self._model = model = mujoco.MjModel.from_xml_path(file)
         self._data, self._soft = mujoco.MjData(model), soft
+        if model.nkey:
+            mujoco.mj_resetDataKeyframe(model, self._data, 0)
         if soft in ("newton", "cg", "pgs", "exact"):
             model.opt.solver = getattr(mujoco.mjtSolver, "mjSOL_" + ("NEWTON" if soft == "exact" else soft.upper()))
         if soft == "exact":

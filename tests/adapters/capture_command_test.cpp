@@ -265,10 +265,12 @@ TEST_F(Capture, TakesAModelOfTheUsers) {
   if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
   std::ofstream(folder_ / "ball.xml")
       << R"(<mujoco><option gravity="0 0 -1.5"/><worldbody><geom type="plane" size="1 1 1"/>
-    <body pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1"/></body></worldbody></mujoco>)";
+    <body pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1"/></body></worldbody>
+    <keyframe><key qpos="0.5 0 0.1 1 0 0 0"/></keyframe></mujoco>)";
   const ScenesFile file = captured("ball", "mujoco", "--model ball.xml --steps 50 --every 10");
   ASSERT_GE(file.count(), 1U);
   EXPECT_EQ(file.read(0).problem.contact()->ngc(), 6);
+  EXPECT_EQ(file.read(0).poses.at(1).at(0), 0.5);
   EXPECT_EQ(file.header().gravity, (std::vector<double>{0, 0, -1.5}));
   const ProgramRun wrong = capture("ball --model out");  // the file of the standard output: not a model
   EXPECT_EQ(wrong.exit_code, 2);
