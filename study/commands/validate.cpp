@@ -37,7 +37,6 @@ struct ValidateArguments {
   std::optional<int> jobs;
   std::string store;
   std::filesystem::path out;
-  bool out_given = false;
   bool each_reference = false;
   bool json = false;
 };
@@ -51,12 +50,12 @@ Plan make_plan(const ValidateArguments& arguments) {
   return plan;
 }
 
-/// Makes a new folder lcpbench-NAME-XXXXXX among the temporary files, with six random characters at the end.
-std::filesystem::path make_own_folder(const char* name) {
+/// Makes a new folder among the temporary files.
+std::filesystem::path make_own_folder() {
   std::error_code none;
   const std::filesystem::path folder = std::filesystem::temp_directory_path(none);
   if (none) throw InputError(fmt::format("TMPDIR '{}' is no folder", std::getenv("TMPDIR")));  // else it is /tmp
-  std::string pattern = (folder / fmt::format("lcpbench-{}-XXXXXX", name)).string();
+  std::string pattern = (folder / "lcpbench-validate-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) {
     throw InputError(fmt::format("{}: cannot be made: {} (TMPDIR names another folder)", pattern,
                                  std::error_code(errno, std::generic_category()).message()));
@@ -74,7 +73,7 @@ Store nameless_store() {
       std::filesystem::remove_all(folder, ignored);
     }
   };
-  const RemovedAtEnd removed{make_own_folder("validate")};
+  const RemovedAtEnd removed{make_own_folder()};
   return Store::open_for_writing(removed.folder / "answers.db");
 }
 
@@ -161,10 +160,7 @@ int run_validation(const ValidateArguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Study study = validation_study(plan);
   say(stderr, "{}", left_out_text(study));
-  std::error_code ignored;
-  const bool is_new = !arguments.out.empty() && !std::filesystem::exists(arguments.out, ignored);
   if (!arguments.out.empty()) make_folder(arguments.out);  // before hours are spent on answers
-  if (is_new) rmdir(arguments.out.c_str());                // made again where it gets a file
   warn_without_references(study);
   Json origin = provenance(typed_command_line, utc_now());
   origin["plan"] = Json::parse(plan_json(plan));
@@ -192,12 +188,13 @@ int run_validation(const ValidateArguments& arguments) {
     print_matrix(validation, arguments.each_reference);
     print_verdict(validation);
   }
-  if (!validation.disagreements.empty() && (!arguments.out_given || !arguments.out.empty())) {
-    const std::filesystem::path folder = arguments.out_given ? arguments.out : make_own_folder("disagreements");
-    make_folder(folder);
-    const std::size_t files = save(study, validation.disagreements, folder);
+  const bool disagree = !validation.disagreements.empty();
+  if (disagree && !arguments.out.empty()) {
+    const std::size_t files = save(study, validation.disagreements, arguments.out);
     say(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files,
-        printable(folder.string()));
+        printable(arguments.out.string()));
+  } else if (disagree) {
+    say(stderr, "--out FOLDER keeps some of the problems on which two disagree\n");
   }
   if (!complete) return kExitInterrupted;
   return validation.ours_wrong() ? kExitCheckFailed : kExitDone;
@@ -219,18 +216,13 @@ Action add_validate_command(CLI::App& command) {
              number_check(1e-3, 1e6));
   add_number(command, "--jobs", arguments->jobs, "threads (default: one per processor)", CLI::Range(1, 1024));
   command.add_option("--store", arguments->store, "keep the answers in this file, and resume from it");
-  const CLI::Option* out = command.add_option("--out", arguments->out,
-                                              "folder for some of the problems on which two disagree; '' for none\n"
-                                              "(default: a new one among the temporary files, which is named)");
+  command.add_option("--out", arguments->out, "folder for some of the problems on which two disagree");
   command.add_flag("--long", arguments->each_reference, "show each of ours with each reference, not the sums alone");
   add_output_options(command, arguments->json);
   command.footer(
       "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts "
       "are the evaluation's. Exit code 1 when one of ours made a false claim. See docs/howto/compare.md.");
-  return [arguments, out] {
-    arguments->out_given = out->count() > 0;
-    return run_validation(*arguments);
-  };
+  return [arguments] { return run_validation(*arguments); };
 }
 
 }  // namespace lcpbench

@@ -282,8 +282,8 @@ TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
   done("generate " + std::string(kHardSet) + " --seed 1 --count 1 --first " + std::to_string(kFalselyClaimed) +
        " --out hard");
   std::filesystem::copy(folder_ / "hard", folder_ / "ha rd");
-  const std::string command = "validate " + bad + " --solver siconos_lemke --set file:hard --set 'file:ha rd'";
-  const ProgramRun output = run(command + " --out disagreements");
+  const ProgramRun output =
+      run("validate " + bad + " --solver siconos_lemke --set file:hard --set 'file:ha rd' --out disagreements");
   EXPECT_EQ(output.exit_code, 1) << output.err;
   EXPECT_TRUE(contains(output.out, "OURS IS WRONG")) << output.out;
   const std::vector<std::string> index = lines_of(read("disagreements/disagreements.csv"));
@@ -297,40 +297,18 @@ TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
   for (const std::string& file : files) {
     EXPECT_EQ(run_json("solve disagreements/" + file + " " + bad).at(0).at("verdict"), "wrong") << file;
   }
-
-  // Unasked, the current folder gets no file: a new one among the temporary files does, and is named.
-  std::filesystem::create_directory(folder_ / "temporary");
-  setenv("TMPDIR", (folder_ / "temporary").c_str(), 1);
-  const ProgramRun unasked = run(command);
-  const ProgramRun none = run(command + " --out ''");
-  unsetenv("TMPDIR");
-  std::vector<std::string> folders;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "temporary")) folders.push_back(entry.path());
-  ASSERT_EQ(folders.size(), 1U) << unasked.err;
-  EXPECT_EQ(lines_of(read_file(folders[0] + "/disagreements.csv")), index);
-  EXPECT_TRUE(contains(unasked.err, " are in " + folders[0] + "; ")) << unasked.err;
-  EXPECT_FALSE(contains(none.err, " are in ")) << none.err;
 }
 
 TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {
   if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
-  const std::string agreeing = "validate --solver lemke --solver siconos_lemke --set planted/definite --trials 20";
-  done(agreeing);
+  done("validate --solver lemke --solver siconos_lemke --set planted/definite --trials 20");
   const auto files = std::filesystem::directory_iterator(folder_ / "");
   EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "out and err";
-  std::filesystem::create_directory(folder_ / "mine");
-  for (const char* out : {"mine", "new"}) {
-    done(agreeing + " --out " + out);
-  }
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "mine")) << "it was there before";
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
 }
 
 TEST_F(ValidateCommandTest, WhatWasDoneIsKeptInAStoreThatWasAskedFor) {
   expect_mistake(
-      "validate --store s.db --set planted/definite --trials 1 --solver lemke --solver 'external{command=false}' "
-      "--out new");
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "new")) << "it ended early and leaves no empty folder";
+      "validate --store s.db --set planted/definite --trials 1 --solver lemke --solver 'external{command=false}'");
   EXPECT_TRUE(contains(read("err"), "kept in s.db")) << read("err");
 }
 
