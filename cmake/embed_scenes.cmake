@@ -10,8 +10,9 @@ function(lcpbench_embed_scenes folder output)
   foreach(file IN LISTS files)
     string(REGEX REPLACE "\\.scenes$" "" name "${file}")
     set(symbol lcpbench_scenes_${number})
+    file(SHA256 ${folder}/${file} hash)  # a compiler cache sees the source, and not what .incbin reads
     string(APPEND declarations
-      "__asm__(\".pushsection .rodata\\n\"\n"
+      "__asm__(\".pushsection .rodata /* ${hash} */\\n\"\n"
       "        \".global ${symbol}\\n${symbol}:\\n.incbin \\\"${folder}/${file}\\\"\\n\"\n"
       "        \".global ${symbol}_end\\n${symbol}_end:\\n.byte 0\\n.popsection\\n\");\n"
       "extern \"C\" const char ${symbol}[];\nextern \"C\" const char ${symbol}_end[];\n")
@@ -35,4 +36,5 @@ const std::vector<CollectedScene>& collected_scenes() {
 }  // namespace lcpbench
 ")
   set_source_files_properties(${output} PROPERTIES OBJECT_DEPENDS "${paths}")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${paths})
 endfunction()
