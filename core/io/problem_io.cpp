@@ -26,6 +26,13 @@ Problem read_matrix_market_pair(const fs::path& file) {
   return parse_matrix_market(M, read_text(name + std::string(kQ), "problem file"), M_file);
 }
 
+InputError no_format(const fs::path& file) {
+  return input_error(file.string(),
+                     "no format that is read: a problem in JSON ('{' first), Siconos' text of an LCP or MLCP (a number "
+                     "first), NAME.M.mtx with NAME.q.mtx, NAME.scenes#STEP; numpy's .npz and .mat are read by "
+                     "lcpbench.load in Python");
+}
+
 /// Whether the text is JSON, else it is Siconos' text: by the extension .json, else by the first character that is not
 /// white space (a byte-order mark may stand before '{').
 bool is_json(const fs::path& file, std::string_view text) {
@@ -35,10 +42,7 @@ bool is_json(const fs::path& file, std::string_view text) {
   const char c = first == std::string_view::npos ? '\0' : text[first];
   if (c == '{') return true;
   if (c >= '0' && c <= '9') return false;
-  throw input_error(file.string(),
-                    "no format that is read: a problem in JSON ('{' first), Siconos' text of an LCP or MLCP (a number "
-                    "first), NAME.M.mtx with NAME.q.mtx, NAME.scenes#STEP; numpy's .npz and .mat are read by "
-                    "lcpbench.load in Python");
+  throw no_format(file);
 }
 
 }  // namespace
@@ -52,6 +56,7 @@ Problem read_problem(const std::filesystem::path& file) {
   if (is_scenes_file(file.string())) {
     throw input_error(file.string(), "holds steps: name one problem as " + file.filename().string() + "#STEP");
   }
+  if (ends_with(file, ".npz") || ends_with(file, ".mat")) throw no_format(file);
   const std::string text = read_text(file, "problem file");
   if (is_json(file, text)) return parse_problem_json(text, file.string());
   return parse_siconos_lcp(text, file.string());

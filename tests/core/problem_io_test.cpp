@@ -401,10 +401,13 @@ TEST_F(ProblemIoTest, WhatIsNoFileIsNamed) {
   EXPECT_EQ(error_of(folder_ / "none.json"), (folder_ / "none.json").string() + ": no such file");
   EXPECT_EQ(error_of("/dev/null"), "/dev/null: is not a regular file");
   EXPECT_EQ(error_of(write_text("empty.json", "")), (folder_ / "empty.json").string() + ": empty file");
-  EXPECT_EQ(error_of(write_text("word.txt", "hello")),
-            (folder_ / "word.txt").string() +
-                ": no format that is read: a problem in JSON ('{' first), Siconos' text of an LCP or MLCP (a number first), "
-                "NAME.M.mtx with NAME.q.mtx, NAME.scenes#STEP; numpy's .npz and .mat are read by lcpbench.load in Python");
+  for (const char* name : {"word.txt", "arrays.npz", "arrays.mat"}) {
+    EXPECT_EQ(error_of(write_text(name, name[0] == 'w' ? "hello" : std::string("PK\3\4\0", 5))),
+              (folder_ / name).string() +
+                  ": no format that is read: a problem in JSON ('{' first), Siconos' text of an LCP or MLCP (a number "
+                  "first), NAME.M.mtx with NAME.q.mtx, NAME.scenes#STEP; numpy's .npz and .mat are read by lcpbench.load "
+                  "in Python");
+  }
 }
 
 TEST_F(ProblemIoTest, JsonIsKnownByItsFirstByteToo) {
