@@ -22,6 +22,8 @@ struct ShrinkArguments {
   std::string file;
   std::string solver;
   std::string until;
+  std::string against;
+  double speed = 1e-3;
   std::string out;
   double time_limit_s = kTimeLimitS;
   double budget_s = 120;
@@ -45,9 +47,17 @@ void check_out(const std::string& out, const std::string& file) {
 FailureOptions failure_options(const ShrinkArguments& arguments) {
   FailureOptions options;
   options.solver = parse_spec(arguments.solver);
-  for (const FailureKind kind : {FailureKind::kWrong, FailureKind::kMissed}) {
+  for (const FailureKind kind : {FailureKind::kWrong, FailureKind::kMissed, FailureKind::kDiffers}) {
     if (arguments.until == to_string(kind)) options.kind = kind;
   }
+  if (!arguments.against.empty()) {  // two solvers are compared by `differs` alone
+    if (options.kind.value_or(FailureKind::kDiffers) != FailureKind::kDiffers) {
+      throw InputError(fmt::format("--against '{}': only --until differs compares two solvers", arguments.against));
+    }
+    options.kind = FailureKind::kDiffers;
+    options.against = arguments.against;
+  }
+  options.speed = arguments.speed;
   options.time_limit_s = arguments.time_limit_s;
   return options;
 }
@@ -67,7 +77,8 @@ Problem as_read(const Problem& problem, const std::string& name) {
 
 /// The name of the problem, with the solver and how it fails; "shrunk" where that is too long.
 std::string name_of_result(const Problem& problem, const FailureTest& test) {
-  const std::string words = fmt::format(" (shrunk: {} {})", test.solver().text(), to_string(test.kind()));
+  const std::string how = test.other().empty() ? std::string(to_string(test.kind())) : "differs from " + test.other();
+  const std::string words = fmt::format(" (shrunk: {} {})", test.solver().text(), how);
   const std::string& name = problem.name();
   return name.size() + words.size() <= kMaxNameBytes ? name + words : "shrunk";
 }
@@ -76,9 +87,11 @@ std::string replay_command(const ShrinkArguments& arguments, const FailureTest& 
   const std::string out = shell_word(file_argument(arguments.out));
   std::string command =
       fmt::format("lcpbench solve {} --solver {}", out, shell_word(test.solver().text()));
-  if (test.solver().text() != "auto") command += " --solver auto";
+  const bool certificate = test.other() == "certificate";
+  if (test.other().empty() && test.solver().text() != "auto") command += " --solver auto";
+  if (!test.other().empty() && !certificate) command += " --solver " + shell_word(test.other());
   if (arguments.time_limit_s != kTimeLimitS) command += fmt::format(" --time-limit {:g}", arguments.time_limit_s);
-  return command;
+  return certificate ? command + " && lcpbench certify " + out : command;
 }
 
 /// What exact arithmetic proves of the result.
@@ -87,15 +100,19 @@ struct Proof {
   std::string words = "nothing was proven of the result";
 };
 
-Proof prove(const Problem& problem) {
+Proof prove(const Problem& problem, FailureKind kind) {
   Proof proof;
-  Certifier certifier({.time_limit_s = kProofTimeS});
+  Certifier certifier({.time_limit_s = kProofTimeS, .seek_other_velocity = kind == FailureKind::kDiffers});
   proof.certificate = certifier.certify(problem);
   const Certificate& certificate = proof.certificate;
   if (certificate.kind == CertificateKind::kUnsolvable) {
     proof.words = "proven in exact arithmetic: the problem has no solution";
   } else if (certificate.kind == CertificateKind::kSolution) {
     proof.words = "proven in exact arithmetic: the problem has a solution";
+    if (certificate.velocity_unique) {
+      proof.words += *certificate.velocity_unique ? ", and all its solutions have one velocity"
+                                                  : ", and another one with another velocity";
+    }
   }
   return proof;
 }
@@ -124,6 +141,7 @@ void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, co
     print_json({{"problem", problem_summary_json(outcome.shrunk.problem, arguments.out)},
                 {"solver", test.solver().text()},
                 {"until", to_string(test.kind())},
+                {"against", test.other().empty() ? Json() : Json(test.other())},
                 {"failure", outcome.words},
                 {"before", size_json(outcome.start)},
                 {"after", size_json(outcome.shrunk.problem)},
@@ -131,6 +149,7 @@ void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, co
                 {"complete", outcome.shrunk.complete},
                 {"seconds", json_number(outcome.seconds)},
                 {"certificate", to_string(certificate.kind)},
+                {"velocity_unique", json_optional(certificate.velocity_unique)},
                 {"out", arguments.out},
                 {"replay", replay}});
     return;
@@ -191,7 +210,7 @@ int run_shrink(const ShrinkArguments& arguments) {
   out.write(text);
   out.commit();
   outcome.words = test.words();
-  if (*stop == 0) outcome.proof = prove(outcome.shrunk.problem);
+  if (*stop == 0) outcome.proof = prove(outcome.shrunk.problem, test.kind());
   outcome.seconds = wall_clock_s() - began_s;
   print_outcome(arguments, test, outcome);
   return *stop != 0 ? kExitInterrupted : kExitDone;
@@ -205,9 +224,15 @@ Action add_shrink_command(CLI::App& command) {
   command.add_option("--solver", arguments->solver, "the solver that fails: name{key=value,...}")->required();
   command
       .add_option("--until", arguments->until,
-                  "how it fails: wrong (a false claim) or missed (a solvable problem not solved, or a crash); default: "
-                  "the first of these that it does")
-      ->check(CLI::IsMember({"wrong", "missed"}));
+                  "how it fails: wrong (a false claim), missed (a solvable problem not solved, or a crash) or differs "
+                  "(two verified answers move differently); default: differs with --against, else the first of these "
+                  "that it does")
+      ->check(CLI::IsMember({"wrong", "missed", "differs"}));
+  command.add_option("--against", arguments->against,
+                     "differs: the other solver, or certificate (default: auto, certificate, then each of lcpbench's "
+                     "own solvers, the first that differs)");
+  add_number(command, "--speed", arguments->speed, "differs: the velocities differ at least by this [m/s, rad/s]",
+             number_check(1e-300, 1e300));
   command.add_option("--out", arguments->out, "the smallest problem found, a file NAME.json")->required();
   add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
   add_number(command, "--budget", arguments->budget_s, "seconds after which no smaller problem is tried",

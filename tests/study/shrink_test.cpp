@@ -102,10 +102,14 @@ TEST(Shrink, FindsTheRowsOfABareLcp) {
 }
 
 /// A solver that fails, as its argument says, on problems with two entries of q below -2.5; it solves others whose M is
-/// diagonal.
+/// diagonal, and takes the last of two solutions of a pair of rows.
 constexpr const char* kFailing = R"(import json, os, sys, time
 def solution(M, q):
-    return [max(0.0, -q[i] / M[i][i]) if M[i][i] else 0.0 for i in range(len(q))]
+    z = [max(0.0, -q[i] / M[i][i]) if M[i][i] else 0.0 for i in range(len(q))]
+    for i in range(len(q)):
+        if any(M[i][j] for j in range(i + 1, len(q))):
+            z[i] = 0.0
+    return z
 problem = {}
 for line in sys.stdin:
     request = json.loads(line)
@@ -132,6 +136,9 @@ class ShrinkCommand : public ProgramTest {
     lcp.q(2) = -3.14159;
     lcp.q(7) = -5.25;
     write_problem({"diagonal", lcp}, folder_ / "diagonal.json");
+    lcp.q.setConstant(-1.01);
+    lcp.M(4, 5) = lcp.M(5, 4) = 2.17;
+    write_problem({"pair", lcp}, folder_ / "pair.json");
   }
   static std::string program(const std::string& way) { return "'external{command=python3 failing.py " + way + "}'"; }
 
@@ -145,7 +152,7 @@ class ShrinkCommand : public ProgramTest {
     EXPECT_EQ(outcome["certificate"], "solution");
     const auto replay = outcome["replay"].get<std::string>();
     ASSERT_EQ(replay.rfind("lcpbench solve small.json --solver ", 0), 0U) << replay;
-    EXPECT_TRUE(replay.ends_with(" --solver auto")) << replay;
+    EXPECT_EQ(replay.ends_with(" --solver auto"), until != "differs" || outcome["against"] == "auto") << replay;
     const ProgramRun solved = run(replay.substr(std::string("lcpbench ").size()) + " --format json");
     const json attempts = json::parse(solved.out);
     const auto failing = std::find_if(attempts.begin(), attempts.end(),
@@ -167,6 +174,18 @@ TEST_F(ShrinkCommand, FindsTheSmallestProblemMissed) {
   expect_two_rows("diagonal.json --solver " + program("crashes") + " --until missed", "missed", "missed");
 }
 
+TEST_F(ShrinkCommand, FindsTheSmallestProblemWithTwoMotions) {
+  expect_two_rows("pair.json --until differs --solver " + program("solves"), "differs", "solved");
+  expect_two_rows("pair.json --until differs --against auto --solver " + program("solves"), "differs", "solved");
+}
+
+TEST_F(ShrinkCommand, ASolverToCompareWithIsNeverIgnored) {
+  expect_two_rows("pair.json --against auto --solver " + program("solves"), "differs", "solved");
+  const ProgramRun lies = run("shrink diagonal.json --against auto --out other.json --solver " + program("lies"));
+  EXPECT_EQ(lies.exit_code, 1) << lies.out << lies.err;  // it is wrong, and does not solve what auto solves
+  EXPECT_NE(lies.err.find("nothing to shrink until differs: "), std::string::npos) << lies.err;
+}
+
 TEST_F(ShrinkCommand, ShrinksACapturedSceneToAThird) {
   done("generate scene/wedge/ode --seed 1 --first 3 --count 1 --out steps");
   const json outcome =
@@ -177,10 +196,10 @@ TEST_F(ShrinkCommand, ShrinksACapturedSceneToAThird) {
 }
 
 TEST_F(ShrinkCommand, WritesNothingWhereTheSolverDoesNotFail) {
-  const ProgramRun output = run("shrink diagonal.json --solver auto --until missed --out small.json");
+  const ProgramRun output = run("shrink pair.json --solver auto --until missed --out small.json");
   EXPECT_EQ(output.exit_code, 1);
   EXPECT_EQ(output.out, "");
-  EXPECT_NE(output.err.find("diagonal.json: nothing to shrink"), std::string::npos) << output.err;
+  EXPECT_NE(output.err.find("pair.json: nothing to shrink"), std::string::npos) << output.err;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "small.json"));
 }
 
