@@ -38,9 +38,10 @@ std::vector<ModelRow> ladder_of(const std::vector<LadderIsland>& islands, double
   for (const ContactModel model : kContactModels) {
     if (*stop != 0) return rows;
     ModelRow row{model, {}, {}};
+    const double until = model == ContactModel::kConeRough || model == ContactModel::kSoft ? error : kFinestTurn;
     for (const LadderIsland& island : islands) {
       if (*stop != 0) return rows;
-      row.islands.push_back(island.ladder->climb(model, error));
+      row.islands.push_back(island.ladder->climb(model, until));
     }
     rows.push_back(std::move(row));
   }
@@ -61,7 +62,8 @@ Json model_json(const ModelAnswer& answer, double difference) {
           {"error_m_per_s", json_number(answer.error_m_per_s)},
           {"solver_error_m_per_s", json_number(answer.solver_error_m_per_s)},
           {"velocity_difference_m_per_s", json_number(difference)},
-          {"time_s", json_number(answer.time_s)}};
+          {"time_s", json_number(answer.time_s)},
+          {"passes", answer.passes}};
 }
 
 Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, const std::vector<ModelRow>& rows) {
@@ -71,6 +73,7 @@ Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, 
   }
   for (const ModelRow& row : rows) {
     double error = 0, solver_error = 0, difference = 0, time_s = 0;
+    int passes = 0;
     Json each = Json::array();
     for (std::size_t i = 0; i < row.islands.size(); ++i) {
       const ModelAnswer& island = row.islands[i];
@@ -78,6 +81,7 @@ Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, 
       solver_error = larger_or_nan(solver_error, island.solver_error_m_per_s);
       difference = larger_or_nan(difference, row.differences[i]);
       time_s += island.time_s;
+      passes = std::max(passes, island.passes);
       each.push_back(model_json(island, row.differences[i]));
     }
     Json model{{"model", to_string(row.model)},
@@ -86,6 +90,7 @@ Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, 
                {"solver_error_m_per_s", json_number(solver_error)},
                {"velocity_difference_m_per_s", json_number(difference)},
                {"time_s", json_number(time_s)},
+               {"passes", passes},
                {"islands", std::move(each)}};
     json["models"].push_back(std::move(model));
   }
@@ -103,7 +108,8 @@ void print_ladder(const Json& ladder, bool every_island) {
       {{"error m/s"}, field("error_m_per_s", format_error)},
       {{"of it the solver's", Align::kRight, 2}, field("solver_error_m_per_s", format_error)},
       {{"difference m/s", Align::kRight, 1}, field("velocity_difference_m_per_s", format_error)},
-      {{"time"}, field("time_s", format_seconds)}};
+      {{"time"}, field("time_s", format_seconds)},
+      {{"passes", Align::kRight, 4}, field("passes")}};
   say(stdout, "{}", table_text(columns, models));
   const std::size_t islands = ladder["islands"].size();
   const std::size_t shown = every_island ? islands : std::min(islands, kIslandsShown);
@@ -143,7 +149,7 @@ Action add_models_command(CLI::App& command) {
   const auto arguments = std::make_shared<ModelsArguments>();
   command.add_option("FILE", arguments->files, "problem files, or captured steps")->required();
   add_number(command, "--max-velocity-error", arguments->error,
-             "m/s that cone-rough is solved to", number_check(1e-12, 1e6));
+             "m/s that cone-rough is solved to, and soft contacts give way", number_check(1e-12, 1e6));
   add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve of an island", number_check());
   command.add_flag("--long", arguments->all, "every island");
   add_output_options(command, arguments->json);

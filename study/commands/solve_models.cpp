@@ -1,5 +1,6 @@
 #include "study/commands/solve_models.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/round_cone.h"
@@ -19,7 +20,7 @@ struct Mixture {
   Answer answer;
   Errors errors;  ///< of the whole answer, by the conditions of the cone
   double chosen_s = 0;  ///< solving by the chosen models, thread CPU, as all times here
-  double spent_s = 0;   ///< solving by all models tried
+  double spent_s = 0;   ///< solving by all models tried, but for Climb::next
   double verify_s = 0;  ///< measuring `errors`
   bool met = true;      ///< `errors` are within the error asked for
 };
@@ -87,13 +88,17 @@ Mixture mix(const Problem& problem, std::vector<LadderIsland> islands, double er
 }
 
 Json climb_json(const LadderIsland& island, const Climb& climbed) {
+  const bool further = climbed.next.answered();
   return {{"contacts", island.contacts},
           {"model", to_string(climbed.chosen.model)},
           {"met", climbed.met},
           {"error_m_per_s", json_number(climbed.chosen.error_m_per_s)},
           {"solver_error_m_per_s", json_number(climbed.chosen.solver_error_m_per_s)},
           {"time_s", json_number(climbed.chosen.time_s)},
-          {"spent_s", json_number(climbed.spent_s)}};
+          {"spent_s", json_number(climbed.spent_s)},
+          {"next_model", further ? Json(to_string(climbed.next.model)) : Json()},
+          {"next_time_s", json_number(climbed.next.time_s)},
+          {"next_change_m_per_s", json_number(climbed.change_m_per_s)}};
 }
 
 Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_per_s) {
@@ -145,7 +150,15 @@ void print_mixture(const Mixture& mixture, double error_m_per_s) {
                    {"error m/s"},
                    {"of it the solver's", TextTable::Align::kRight, 1},
                    {"time"}});
+  double next_s = 0;
+  double change = 0;
+  bool further = false;
   for (const ContactModel model : kClimbed) add_model_row(table, model, mixture);
+  for (const Climb& each : mixture.climbs) {
+    next_s += each.next.answered() ? each.next.time_s : each.chosen.time_s;
+    further = further || each.next.answered();
+    if (each.next.answered()) change = std::max(change, each.change_m_per_s);
+  }
   if (!table.empty()) say(stdout, "{}", table.text(text_width()));
   std::string text = fmt::format(
       "{} {} m/s: the residual of the cone's conditions is {} m/s; {} for the models chosen, {} "
@@ -153,6 +166,10 @@ void print_mixture(const Mixture& mixture, double error_m_per_s) {
       mixture.met ? "meets" : "misses", error_m_per_s, format_error(mixture.errors.velocity_residual_m_per_s),
       format_seconds(mixture.chosen_s), format_seconds(mixture.spent_s));
   if (!mixture.met) text += "; " + mixture.answer.detail;
+  if (further) {
+    text += fmt::format("; the cone takes {} and changes the velocities at the contacts by {} m/s at most",
+                        format_seconds(next_s), format_error(change));
+  }
   say_folded("{}\n\n", text);
 }
 

@@ -17,21 +17,28 @@ namespace lcpbench {
 
 /// The models of friction, from the coarsest on. docs/explanation/friction-models.md says when each is used.
 enum class ContactModel {
-  kNothing,  ///< no contacts at all: what any model must be better than
-  kNormals,  ///< no friction
-  kEdges4,   ///< a pyramid of 4 edges along the tangents
+  kNothing,       ///< no contacts at all: what any model must be better than
+  kNormals,       ///< no friction
+  kRest,          ///< the solution in which no pressed contact slips, where there is one
+  kEdges4,        ///< a pyramid of 4 edges along the tangents
+  kEdges4Turned,  ///< the same, solved again with an edge against the slip of the last pass
   kEdges8,
+  kEdges8Turned,
   kEdges16,
+  kEdges16Turned,
+  kSoft,       ///< the same as kRelaxed, of contacts that are soft enough to give way by about the error asked for
   kRelaxed,    ///< the convex relaxation of the cone, in which sliding contacts lift off
   kConeRough,  ///< the cone, solved only as far as the error that is asked for
   kCone,       ///< the round Coulomb cone
 };
 
 inline constexpr std::array kContactModels{
-    ContactModel::kNothing,  ContactModel::kNormals, ContactModel::kEdges4,    ContactModel::kEdges8,
-    ContactModel::kEdges16, ContactModel::kRelaxed, ContactModel::kConeRough, ContactModel::kCone};
+    ContactModel::kNothing,       ContactModel::kNormals, ContactModel::kRest,         ContactModel::kEdges4,
+    ContactModel::kEdges4Turned,  ContactModel::kEdges8,  ContactModel::kEdges8Turned, ContactModel::kEdges16,
+    ContactModel::kEdges16Turned, ContactModel::kSoft,    ContactModel::kRelaxed,      ContactModel::kConeRough,
+    ContactModel::kCone};
 
-/// "nothing", "normals", "4", "8", "16", "relaxed", "cone-rough", "cone".
+/// "nothing", "normals", "rest", "4", "4-turned", ..., "soft", "relaxed", "cone-rough", "cone".
 const char* to_string(ContactModel model);
 
 /// What one model makes of one island.
@@ -44,9 +51,11 @@ struct ModelAnswer {
   Vector velocity{};  ///< v+ of the island; empty without an answer
   /// The residual of the cone's own conditions [m/s], by the evaluation: the error of model and solver together.
   double error_m_per_s = kNone;
-  /// The residual of the model's own conditions [m/s], by the evaluation: the solver's part.
+  /// The residual of the model's own conditions [m/s], by the evaluation: the solver's part. Of kRest none is known:
+  /// its conditions are no problem that the evaluation knows.
   double solver_error_m_per_s = kNone;
-  double time_s = kNone;  ///< set-up and solve, thread CPU
+  double time_s = kNone;  ///< set-up and solve, thread CPU, of all passes
+  int passes = 0;         ///< problems solved one after the other
 
   bool answered() const { return velocity.size() > 0; }
   bool meets(double error) const { return answered() && error_m_per_s <= error; }
@@ -54,6 +63,9 @@ struct ModelAnswer {
 
 /// NaN, the error where there is no answer, stays.
 inline double larger_or_nan(double a, double b) { return std::isnan(a) || b <= a ? a : b; }
+
+/// The error at which turning ends, if nothing coarser is asked for [m/s].
+inline constexpr double kFinestTurn = 1e-10;
 
 /// One island of a problem, to be solved by one model after the other.
 class Ladder {
@@ -63,13 +75,14 @@ class Ladder {
 
   const ContactProblem& contacts() const { return *reference_.contact(); }
 
-  /// @param error [m/s] at which kConeRough stops
+  /// @param error [m/s] at which turning and kConeRough stop, and that kSoft may cost
   ModelAnswer climb(ContactModel model, double error);
 
  private:
   void take(const TangentImpulses& impulses, ModelAnswer& to);
-  double error_of(const Vector& z);
-  ModelAnswer pyramid(ContactModel model);
+  double error_of(const Vector& z, double Errors::*measure);
+  void solve_pyramid(int edges, const std::vector<double>& angles, ModelAnswer& to, TangentImpulses& impulses);
+  ModelAnswer pyramid(ContactModel model, double error);
   ModelAnswer by_cone(ContactModel model, double error);
   ModelAnswer nothing();
 
@@ -100,7 +113,9 @@ Spec solver_of(ContactModel model, double error);
 struct Climb {
   ModelAnswer chosen;  ///< the first that meets the error, or the best
   bool met = false;
-  double spent_s = 0;  ///< CPU time of all models tried
+  double spent_s = 0;  ///< CPU time of all models tried, without `next`
+  ModelAnswer next;     ///< by the cone, where a coarser model met the error; else not answered
+  double change_m_per_s = ModelAnswer::kNone;  ///< largest difference of contact velocities, `next` against `chosen`
 };
 
 Climb climb(Ladder& ladder, double error);

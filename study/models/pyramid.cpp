@@ -9,7 +9,9 @@
 namespace lcpbench {
 namespace {
 
-double angle(int k, int edges) { return 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges); }
+double direction(double angle, int k, int edges) {
+  return angle + 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
+}
 
 /// The column a J_first + b J_second.
 struct ColumnSum {
@@ -46,7 +48,7 @@ ContactProblem with_tangents(const ContactProblem& problem) {
   return result;
 }
 
-ContactProblem with_pyramid(const ContactProblem& tangents, int edges) {
+ContactProblem with_pyramid(const ContactProblem& tangents, int edges, const std::vector<double>& angles) {
   ContactProblem result = tangents;
   std::vector<ColumnSum> sums;
   Index begin = 0;
@@ -54,31 +56,39 @@ ContactProblem with_pyramid(const ContactProblem& tangents, int edges) {
     if (tangents.edges[c] == 0) continue;
     for (const double sign : {1.0, -1.0}) {  // opposite directions are exactly so
       for (int k = 0; k < edges / 2; ++k) {
-        sums.push_back({begin, begin + 1, sign * std::cos(angle(k, edges)), sign * std::sin(angle(k, edges))});
+        const double angle = direction(angles[c], k, edges);
+        sums.push_back({begin, begin + 1, sign * std::cos(angle), sign * std::sin(angle)});
       }
     }
     begin += 4;
     result.edges[c] = edges;
-    if (edges > 0) continue;
-    const auto contact = static_cast<Index>(c);
-    result.mu(contact) = 0;
-    if (result.compliance_t.size() > 0) result.compliance_t(contact) = 0;
-    if (result.offset_t.size() > 0) result.offset_t.segment<2>(2 * contact).setZero();
+    const auto contact = static_cast<Index>(c), at = 2 * contact;
+    if (edges == 0) {
+      result.mu(contact) = 0;
+      if (result.compliance_t.size() > 0) result.compliance_t(contact) = 0;
+      if (result.offset_t.size() > 0) result.offset_t.segment<2>(at).setZero();
+    } else if (tangents.offset_t.size() > 0) {  // along the turned tangents
+      const double cosine = std::cos(angles[c]), sine = std::sin(angles[c]);
+      result.offset_t(at) = cosine * tangents.offset_t(at) + sine * tangents.offset_t(at + 1);
+      result.offset_t(at + 1) = cosine * tangents.offset_t(at + 1) - sine * tangents.offset_t(at);
+    }
   }
   result.D = combined(tangents.D, sums);
   return result;
 }
 
-TangentImpulses tangent_impulses(const ContactProblem& tangents, int edges, const Vector& z) {
+TangentImpulses tangent_impulses(const ContactProblem& tangents, int edges, const std::vector<double>& angles,
+                                 const Vector& z) {
   const Index nc = tangents.nc();
   TangentImpulses impulses{z.head(nc), Vector::Zero(nc), Vector::Zero(nc)};
   Index at = nc;
   for (Index c = 0; c < nc && edges > 0; ++c) {
-    if (tangents.edges[static_cast<std::size_t>(c)] == 0) continue;
+    const auto contact = static_cast<std::size_t>(c);
+    if (tangents.edges[contact] == 0) continue;
     for (int k = 0; k < edges / 2; ++k) {
       const double impulse = z(at + k) - z(at + k + edges / 2);
-      impulses.first(c) += impulse * std::cos(angle(k, edges));
-      impulses.second(c) += impulse * std::sin(angle(k, edges));
+      impulses.first(c) += impulse * std::cos(direction(angles[contact], k, edges));
+      impulses.second(c) += impulse * std::sin(direction(angles[contact], k, edges));
     }
     at += edges;
   }
@@ -96,6 +106,33 @@ Vector pyramid_impulses(const ContactProblem& tangents, const TangentImpulses& i
   }
   complete_slip_bounds(tangents, layout, post_impact_velocity(tangents, z), z);
   return z;
+}
+
+std::vector<double> slip_angles(const ContactProblem& tangents, const TangentImpulses& impulses,
+                                const Vector& velocity) {
+  constexpr double kSlips = 1e-12;  // of the largest term of a slip: less is rounding
+  const Index nc = tangents.nc();
+  Matrix slips = Matrix::Zero(nc, 2);
+  double largest = 0;
+  Index begin = 0;
+  for (Index c = 0; c < nc; ++c) {
+    if (tangents.edges[static_cast<std::size_t>(c)] == 0) continue;
+    for (const int tangent : {0, 1}) {
+      const double impulse = tangent == 0 ? impulses.first(c) : impulses.second(c);
+      const Eigen::Vector3d terms(dot_column(tangents.D, begin + tangent, velocity),
+                                  tangents.tangential_offset(c, tangent), tangents.tangential_compliance(c) * impulse);
+      slips(c, tangent) = terms.sum();
+      largest = std::max(largest, terms.cwiseAbs().maxCoeff());
+    }
+    begin += 4;
+  }
+  std::vector<double> angles(static_cast<std::size_t>(nc), 0.0);
+  for (Index c = 0; c < nc; ++c) {
+    const bool slides = slips.row(c).norm() > kSlips * largest;
+    angles[static_cast<std::size_t>(c)] =
+        slides ? std::atan2(-slips(c, 1), -slips(c, 0)) : std::atan2(impulses.second(c), impulses.first(c));
+  }
+  return angles;
 }
 
 }  // namespace lcpbench

@@ -53,12 +53,13 @@ TEST_F(DocumentsTest, ModelsJson) {
   for (const json& model : documents[0]["models"]) {
     expect_fields(model,
                   "model:s claim:s error_m_per_s:n? solver_error_m_per_s:n? velocity_difference_m_per_s:n? time_s:n? "
-                  "islands:a");
+                  "passes:n islands:a");
     names.push_back(model["model"]);
   }
-  const std::vector<std::string> expected{"nothing", "normals", "4", "8", "16", "relaxed", "cone-rough", "cone"};
+  const std::vector<std::string> expected{"nothing", "normals",   "rest", "4",       "4-turned",   "8",   "8-turned",
+                                          "16",      "16-turned", "soft", "relaxed", "cone-rough", "cone"};
   EXPECT_EQ(names, expected);
-  EXPECT_NEAR(documents[0]["models"][2]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
+  EXPECT_NEAR(documents[0]["models"][3]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
   done("models oblique.json");
 }
 
@@ -74,7 +75,7 @@ TEST_F(DocumentsTest, SolveHasTheModelsErrorAndTheSolvers) {
     if (row["model"] == "cone") {
       EXPECT_EQ(total, solvers);
     } else {
-      EXPECT_NEAR(total, models[2]["error_m_per_s"].get<double>(), 1e-12);  // of four edges
+      EXPECT_NEAR(total, models[3]["error_m_per_s"].get<double>(), 1e-12);  // of four edges
       EXPECT_GT(total, 0.1);
     }
   }
