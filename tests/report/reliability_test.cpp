@@ -201,6 +201,7 @@ TEST_F(EndorsementTest, EveryFalseClaimIsListed) {
   all.emplace_back(made_.solver("liar"), kLies);
   answers(0, 40, all);
   answers(0, 25, {{all.back().first, {}}}, "paper/monotone/exp2");
+  answers(25, 30, {{all.back().first, kRefuses}}, "paper/monotone/exp2");
   const auto bare = made_.solver("bare");
   for (std::int64_t trial = 0; trial < 3; ++trial) made_.problem("file:bare", trial, {{bare, kLies}}, 0, "", "lcp");
   read();
@@ -208,6 +209,7 @@ TEST_F(EndorsementTest, EveryFalseClaimIsListed) {
   ASSERT_EQ(caught.size(), 2U);
   EXPECT_EQ(caught[0]["false_claims"], 40);
   EXPECT_EQ(caught[0]["of"], 65);
+  EXPECT_DOUBLE_EQ(caught[0]["share"], 40.0 / 65);
   EXPECT_EQ(caught[0]["sets"], kSet);
   EXPECT_EQ(caught[1]["false_claims"], 3);
 }

@@ -41,9 +41,9 @@ TEST(SummaryTest, VerdictsAddUpToTrialsAndTheOtherCountsOverlap) {
     made.problem(kSet, trial++, {{solver, answer}}, 10, theory);
   };
   add({.error = 1e-12}, "solvable");
-  add({.error = 1e-7}, "");
-  add({.error = 1e-5}, "");
-  add({.claim = Claim::kIterationLimit, .error = 1e-12}, "");  // solved, and did not say so
+  add({.error = 2e-9}, "");
+  add({.error = 2e-6}, "");
+  add({.claim = Claim::kIterationLimit, .error = 0.9e-9}, "");  // solved, and did not say so
   add({.error = 1e-2, .criterion = true}, "");                 // wrong: the paper's criterion excuses nothing
   add({.error = 1e-2, .criterion = false}, "");                // wrong
   add({.error = kNone}, "");                                   // wrong: NaN
@@ -187,6 +187,17 @@ TEST(SummaryTest, ErrorsAreThoseOfClaimedAnswersAndNaNIsInfinite) {
   EXPECT_TRUE(std::isinf(cell.error_p99));
   EXPECT_STREQ(cell.error_measure, "velocity_residual_relative");
   EXPECT_NE(summary_json(summary).dump().find("\"p99\":null"), std::string::npos);
+}
+
+TEST(SummaryTest, ErrorsOfContactsAndMatricesTogetherHaveNoMeasure) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto solver = made.solver("lemke");
+  std::int64_t trial = 0;
+  for (const char* kind : {"lcp", "lcp", "contact", "lcp", "lcp"}) {
+    made.problem(kSet, trial++, {{solver, {}}}, 0, "solvable", kind);
+  }
+  EXPECT_STREQ(only_cell(summarize(made.store())).error_measure, "");
 }
 
 TEST(SummaryTest, SetsSayWhatTheirProblemsAre) {
