@@ -95,7 +95,7 @@ class World {
   void clear_impulses();
 
   /// One Gauss-Seidel sweep with the round cone: of each contact first the normal, then both tangents at once. The
-  /// levers are those at the beginning of the step, as in Box2D 3.
+  /// levers are those of load() and of the last move().
   template <class Rule>
   void sweep(Rule&& rule) {
     for (StepContact& contact : contacts) {
@@ -113,7 +113,8 @@ class World {
   void write(double h, StepAnswer& answer) const;
 
  private:
-  /// apply() with the levers of load().
+  void set_levers(StepContact& contact) const;
+  /// apply() with the levers.
   void change(const StepContact& contact, const Vector3d& impulse);
 };
 
