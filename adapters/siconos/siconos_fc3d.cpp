@@ -15,7 +15,7 @@ extern "C" {
 namespace lcpbench {
 namespace {
 
-enum class Fc3dMethod { kNsgs, kNsnAc };
+enum class Fc3dMethod { kNsgs, kNsnAc, kAdmm };
 
 struct SiconosFc3dSettings {
   static constexpr Capabilities capabilities{
@@ -31,12 +31,14 @@ struct SiconosFc3dSettings {
 
   void visit(auto&& field) {
     field("cone", cone, kConeHelp);
-    field("method", method, Choices<Fc3dMethod>{{{"nsgs", Fc3dMethod::kNsgs}, {"nsn_ac", Fc3dMethod::kNsnAc}}},
-          "nonsmooth Gauss-Seidel, or the nonsmooth Newton method on Alart and Curnier's function");
+    field(
+        "method", method,
+        Choices<Fc3dMethod>{{{"nsgs", Fc3dMethod::kNsgs}, {"nsn_ac", Fc3dMethod::kNsnAc}, {"admm", Fc3dMethod::kAdmm}}},
+        "nonsmooth Gauss-Seidel, the nonsmooth Newton method on Alart and Curnier's function, or ADMM");
     field("tolerance", tolerance, RealRange{.min = 0.0, .max = 1.0},
-          "on Siconos's error, relative to |q|; Siconos's defaults: 1e-4 for nsgs, 1e-3 for nsn_ac");
+          "on Siconos's error, relative to |q|; Siconos's defaults: 1e-4 for nsgs, 1e-3 for nsn_ac, 1e-6 for admm");
     field("max_iterations", max_iterations, IntegerRange{.min = 1, .max = 1000000000},
-          "sweeps or Newton steps at most; Siconos's defaults: 1000 and 200");
+          "sweeps or steps at most; Siconos's defaults: 1000, 200 and 20000");
   }
 };
 
@@ -76,7 +78,9 @@ class SiconosFc3d final : public RoundConeAdapter<SiconosFc3dSettings> {
     Vector u = Vector::Zero(q.size());
     const auto view = siconos_view(W);
     FrictionContactProblem problem{3, static_cast<int>(cones_.contacts()), view.get(), q.data(), mu.data()};
-    const int method = settings_.method == Fc3dMethod::kNsgs ? SICONOS_FRICTION_3D_NSGS : SICONOS_FRICTION_3D_NSN_AC;
+    const int method = settings_.method == Fc3dMethod::kNsgs    ? SICONOS_FRICTION_3D_NSGS
+                       : settings_.method == Fc3dMethod::kNsnAc ? SICONOS_FRICTION_3D_NSN_AC
+                                                                : SICONOS_FRICTION_3D_ADMM;
     const auto options = siconos_options(method, settings_.tolerance, settings_.max_iterations);
     const int info = fc3d_driver(&problem, r.data(), u.data(), options.get());
     answer.counters.iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];

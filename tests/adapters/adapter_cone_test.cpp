@@ -12,6 +12,7 @@ namespace lcpbench::adapter_cone_test {
 namespace {
 
 const char* const kCones[] = {"siconos_fc3d{cone=true}", "siconos_fc3d{cone=true,method=nsn_ac}",
+                              "siconos_fc3d{cone=true,method=admm}",
                               "simbody_pgs{cone=true,tolerance=1e-12,max_iterations=100000}",
                               "simbody_plus{cone=true}"};
 
