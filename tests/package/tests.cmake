@@ -3,6 +3,18 @@ lcpbench_room(package)
 lcpbench_test(embedding APART LINK lcpbench::native)
 target_include_directories(embedding_test PRIVATE ${PROJECT_SOURCE_DIR})
 
+# The interface for C.
+enable_language(C)
+foreach(name IN ITEMS package/c_api_test.c ${PROJECT_SOURCE_DIR}/examples/embed/main.c)
+  cmake_path(GET name STEM program)
+  add_executable(c_${program} ${name})
+  target_link_libraries(c_${program} PRIVATE lcpbench::native m)
+  set_target_properties(c_${program} PROPERTIES COMPILE_OPTIONS "-std=c99;-pedantic-errors;-Wall;-Wextra;-Werror")  # not those for C++
+  add_dependencies(package_tests c_${program})
+  add_test(NAME c_${program} COMMAND c_${program})
+endforeach()
+set_tests_properties(c_main PROPERTIES PASS_REGULAR_EXPRESSION "speed 0\\.589702 m/s, force on a lower corner 0\\.8662 N")
+
 # The example as it stands in the documents, in this build ...
 add_executable(embedding_example ${PROJECT_SOURCE_DIR}/examples/embed/main.cpp)
 target_link_libraries(embedding_example PRIVATE lcpbench::native)

@@ -14,8 +14,9 @@ fi
 cmake -S "$source" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON \
   -DLCPBENCH_NATIVE_ONLY=ON -DLCPBENCH_PYTHON=ON -DCMAKE_CXX_COMPILER="$compiler" -DPython_EXECUTABLE="$python" \
   > "$work.log" 2>&1 || { cat "$work.log"; exit 1; }
-cmake --build "$work/build" --target lcpbench_python > "$work.log" 2>&1 || { tail -n 40 "$work.log"; exit 1; }
+cmake --build "$work/build" --target lcpbench_python lcpbench_c > "$work.log" 2>&1 || { tail -n 40 "$work.log"; exit 1; }
 rm -rf "$work/site"
 cmake --install "$work/build" --component python --prefix "$work/site" > /dev/null
-export PYTHONPATH="$work/site" LCPBENCH_PROGRAM="$program" LCPBENCH_SOURCE="$source" PYTHONDONTWRITEBYTECODE=1
+export PYTHONPATH="$work/site" LCPBENCH_PROGRAM="$program" LCPBENCH_SOURCE="$source" \
+  LCPBENCH_C="$work/build/liblcpbench_c.so" PYTHONDONTWRITEBYTECODE=1
 exec "$python" -m unittest discover -s "$source/tests/python" -p '*_test.py' -v
