@@ -35,8 +35,9 @@ class Solver:
 
 
 def find_program() -> str | None:
-    """The program `lcpbench`: the environment's LCPBENCH_PROGRAM, or the one in PATH; None where there is none."""
-    return os.environ.get("LCPBENCH_PROGRAM") or shutil.which("lcpbench")
+    """The program `lcpbench`: the environment's LCPBENCH_PROGRAM, that of the wheel, or the one in PATH; or None."""
+    inside = os.path.join(os.path.dirname(__file__), "bin", "lcpbench")
+    return os.environ.get("LCPBENCH_PROGRAM") or (inside if os.path.exists(inside) else shutil.which("lcpbench"))
 
 
 def is_native(spec: str) -> bool:
