@@ -52,3 +52,9 @@ set_tests_properties(github_action PROPERTIES SKIP_RETURN_CODE 77)
 add_test(NAME version
          COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/package/version_test.sh ${PROJECT_SOURCE_DIR} $<TARGET_FILE:lcpbench>
                  ${PROJECT_VERSION})
+# What no build reads.
+foreach(what workflows recipe site)
+  add_test(NAME packaging_${what}
+           COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/package/packaging_test.py ${what} ${PROJECT_SOURCE_DIR})
+  set_tests_properties(packaging_${what} PROPERTIES SKIP_RETURN_CODE 77)
+endforeach()
