@@ -181,6 +181,23 @@ TEST_P(EveryStepper, ABallBouncesWithItsRestitution) {
   }
 }
 
+/// Of a step with substeps, all of them together close what was open before it.
+TEST_P(EveryStepper, ABallReachesTheFloorWithinTheStep) {
+  Simulation ball(GetParam());
+  ball.gravity.setZero();
+  ball.add({0, 0, 0.51}, 1, {Vector3d::Constant(0.5), true});
+  ball.scene.bodies[0].linear_velocity = {0, 0, -0.02 / kStep};
+  ball.step();
+  EXPECT_NEAR(ball.scene.bodies[0].position.z(), 0.5, 1e-3);
+}
+
+TEST(Steppers, SequentialImpulsesLeaveFiveMillimetresOfDepth) {
+  Simulation ball("sequential_impulses{iterations=30}");
+  ball.add({0, 0, 0.48}, 1, {Vector3d::Constant(0.5), true});
+  for (int i = 0; i < 200; ++i) ball.step();
+  EXPECT_NEAR(ball.scene.bodies[0].position.z(), 0.495, 1e-3);
+}
+
 /// A ball in a bowl is a pendulum as long as its centre is from the bowl's: without friction it glides, with friction
 /// it rolls, which makes 7/5 of its inertia. From its outermost point to the lowest it takes a quarter of the period.
 TEST_P(EveryStepper, ABallInABowlSwingsAsAPendulum) {
