@@ -50,6 +50,24 @@ bool pushes(const Problem& problem) {
   return false;
 }
 
+TEST(Shrink, ABodyThatStaysIsPushedAsBeforeThoughTheOtherBelongsToTheWorld) {
+  RigidScene scene;
+  scene.bodies.resize(2);
+  for (RigidBody& body : scene.bodies) body.mass = 1;
+  scene.bodies[1].position = {0, 0.6, 0.8};
+  RigidContact contact;
+  contact.body_a = 0;
+  contact.body_b = 1;
+  contact.point = {0, 0.3, 0.4};
+  contact.normal = {0, -0.6, -0.8};
+  contact.tangent = {1, 0, 0};
+  scene.contacts = {contact};
+  const Problem both("both", std::move(scene));
+  for (const Index kept : {0, 1}) {
+    EXPECT_EQ(to_dense(with_bodies(both, {kept}).contact()->N), to_dense(both.contact()->N).middleRows(6 * kept, 6));
+  }
+}
+
 Problem problem_of_set(const std::string& set) { return read_again(open_set(set)->generate(1, 3)); }
 
 TEST(Shrink, FindsOneContactAndRoundNumbersInEveryKindOfInertia) {
