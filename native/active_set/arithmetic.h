@@ -8,6 +8,7 @@ using lemke::LCPBENCH_LEVEL::add_multiple;
 using lemke::LCPBENCH_LEVEL::Buffer;
 using lemke::LCPBENCH_LEVEL::copy;
 using lemke::LCPBENCH_LEVEL::Count;
+using lemke::LCPBENCH_LEVEL::dot;
 using lemke::LCPBENCH_LEVEL::kInfinity;
 using lemke::LCPBENCH_LEVEL::kUnitRoundoff;
 using lemke::LCPBENCH_LEVEL::lane_numbers;
@@ -84,63 +85,11 @@ inline void set_zero(Scalar* x, Count size) {
   for (Count i = 0; i < size; i += L::kWidth) L::store(x + i, L::broadcast(0));
 }
 
-template <class Scalar>
-[[gnu::always_inline]] inline Scalar dot(const Scalar* x, const Scalar* y, Count size) {
-  using L = Lanes<Scalar>;
-  if (size == L::kWidth) return L::sum(L::load(x) * L::load(y));
-  if (size == 2 * L::kWidth) {
-    return L::sum(L::load(x) * L::load(y) + L::load(x + L::kWidth) * L::load(y + L::kWidth));
-  }
-  if (size == 3 * L::kWidth) {
-    return L::sum(L::load(x) * L::load(y) + L::load(x + L::kWidth) * L::load(y + L::kWidth) +
-                  L::load(x + 2 * L::kWidth) * L::load(y + 2 * L::kWidth));
-  }
-  auto sum = L::broadcast(0);
-  for (Count i = 0; i < size; i += L::kWidth) sum += L::load(x + i) * L::load(y + i);
-  return L::sum(sum);
-}
-
-/// kPacks registers of combine_rows, which stay registers.
-template <int kPacks, class Scalar>
-inline void combine_columns(Scalar* y, const Scalar* start, const Scalar* A, Count stride, const Scalar* factors,
-                            Count count) {
-  using L = Lanes<Scalar>;
-  typename L::Pack sums[static_cast<unsigned>(kPacks)];
-  for (int p = 0; p < kPacks; ++p) sums[p] = L::load(start + p * L::kWidth);
-  Count i = 0;
-  if constexpr (L::kWidth > 1) {  // two rows at a time: half as many additions wait for one another
-    typename L::Pack others[static_cast<unsigned>(kPacks)];
-    for (int p = 0; p < kPacks; ++p) others[p] = L::broadcast(0);
-    for (; i + 1 < count; i += 2) {
-      const Scalar* const row = A + i * stride;
-      const auto first = L::broadcast(factors[i]);
-      const auto second = L::broadcast(factors[i + 1]);
-      for (int p = 0; p < kPacks; ++p) {
-        sums[p] += first * L::load(row + p * L::kWidth);
-        others[p] += second * L::load(row + stride + p * L::kWidth);
-      }
-    }
-    for (int p = 0; p < kPacks; ++p) sums[p] += others[p];
-  }
-  for (; i < count; ++i) {
-    const auto factor = L::broadcast(factors[i]);
-    for (int p = 0; p < kPacks; ++p) sums[p] += factor * L::load(A + i * stride + p * L::kWidth);
-  }
-  for (int p = 0; p < kPacks; ++p) L::store(y + p * L::kWidth, sums[p]);
-}
-
 /// y = start + sum of the `count` rows of A, each times its factor; `stride` from row to row. `start` may be y.
 template <class Scalar>
 inline void combine_rows(Scalar* y, const Scalar* start, const Scalar* A, Count stride, const Scalar* factors,
                          Count count, Count size) {
-  constexpr Count kWidth = Lanes<Scalar>::kWidth;
-  Count j = 0;
-  for (; j + 3 * kWidth <= size; j += 3 * kWidth) combine_columns<3>(y + j, start + j, A + j, stride, factors, count);
-  if (j + 2 * kWidth <= size) {
-    combine_columns<2>(y + j, start + j, A + j, stride, factors, count);
-  } else if (j < size) {
-    combine_columns<1>(y + j, start + j, A + j, stride, factors, count);
-  }
+  lemke::LCPBENCH_LEVEL::combine_onto(A, stride, count, factors, start, y, size);
 }
 
 /// False for NaN and infinity.
