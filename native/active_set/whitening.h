@@ -141,12 +141,6 @@ class Whitening {
 
   /// x := C^-1 x. @pre triangular()
   void solve(Scalar* x) {
-    if constexpr (L::kWidth > 1) {
-      if (velocity_lanes_ == L::kWidth) return solve_in_registers<1>(x);
-      if (velocity_lanes_ == 2 * L::kWidth) return solve_in_registers<2>(x);
-      if (velocity_lanes_ == 3 * L::kWidth) return solve_in_registers<3>(x);
-      if (velocity_lanes_ == 4 * L::kWidth) return solve_in_registers<4>(x);
-    }
     for (Count i = ngc_ - 1; i >= 0; --i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       add_multiple(x, -value, columns_.data() + i * velocity_lanes_, (i / L::kWidth + 1) * L::kWidth);
@@ -157,12 +151,6 @@ class Whitening {
 
   /// x := C^-T x. @pre triangular()
   [[gnu::always_inline]] inline void solve_transposed(Scalar* x) {
-    if constexpr (L::kWidth > 1) {
-      if (velocity_lanes_ == L::kWidth) return solve_transposed_in_registers<1>(x);
-      if (velocity_lanes_ == 2 * L::kWidth) return solve_transposed_in_registers<2>(x);
-      if (velocity_lanes_ == 3 * L::kWidth) return solve_transposed_in_registers<3>(x);
-      if (velocity_lanes_ == 4 * L::kWidth) return solve_transposed_in_registers<4>(x);
-    }
     for (Count i = 0; i < ngc_; ++i) {
       const Scalar value = x[i] * inverse_diagonal_[i];
       const Count first = i / L::kWidth * L::kWidth;
@@ -207,52 +195,6 @@ class Whitening {
   void take_solution(Scalar* x) {
     for (Count i = ngc_; i < velocity_lanes_; ++i) solution_[i] = 0;
     copy(x, solution_.data(), velocity_lanes_);
-  }
-
-  /// solve() and solve_transposed() bit for bit, where all of x is up to four registers: no entry waits for the memory.
-  template <int kPacks>
-  [[gnu::noinline]] void solve_in_registers(Scalar* x) {
-    typename L::Pack packs[static_cast<unsigned>(kPacks)];
-    for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
-    solve_up_from<kPacks* static_cast<int>(L::kWidth) - 1>(packs);
-    take_solution(x);
-  }
-
-  template <int kPacks>
-  [[gnu::noinline]] void solve_transposed_in_registers(Scalar* x) {
-    typename L::Pack packs[static_cast<unsigned>(kPacks)];
-    for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
-    solve_down_from<kPacks, 0>(packs);
-    take_solution(x);
-  }
-
-  template <int kAt>
-  [[gnu::always_inline]] inline void solve_up_from(typename L::Pack* packs) {
-    if constexpr (kAt >= 0) {
-      constexpr int kWidth = static_cast<int>(L::kWidth);
-      if (kAt < ngc_) {
-        const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
-        const Scalar* const column = columns_.data() + kAt * velocity_lanes_;
-        const auto factor = L::broadcast(-value);
-        for (int p = 0; p <= kAt / kWidth; ++p) packs[p] = packs[p] + factor * L::load(column + p * kWidth);
-        solution_[kAt] = value;
-      }
-      solve_up_from<kAt - 1>(packs);
-    }
-  }
-
-  template <int kPacks, int kAt>
-  [[gnu::always_inline]] inline void solve_down_from(typename L::Pack* packs) {
-    constexpr int kWidth = static_cast<int>(L::kWidth);
-    if constexpr (kAt < kPacks * kWidth) {
-      if (kAt >= ngc_) return;
-      const Scalar value = packs[kAt / kWidth][kAt % kWidth] * inverse_diagonal_[kAt];
-      const Scalar* const row = rows_.data() + kAt * stride_;
-      const auto factor = L::broadcast(-value);
-      for (int p = kAt / kWidth; p < kPacks; ++p) packs[p] = packs[p] + factor * L::load(row + p * kWidth);
-      solution_[kAt] = value;
-      solve_down_from<kPacks, kAt + 1>(packs);
-    }
   }
 
   Scalar* work_row(Count i) { return rows_.data() + i * stride_; }
