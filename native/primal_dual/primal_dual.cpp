@@ -6,7 +6,6 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
-#include "native/primal_dual/cholesky.h"
 
 namespace lcpbench {
 namespace {
@@ -59,6 +58,23 @@ constexpr double kBoundaryFraction = 0.99;  // of the longest step that keeps th
 // A Newton step cut shorter than this was cut by rounding errors, not by the problem: the square root of the unit
 // round-off, as is usual where a decrease is told from noise.
 constexpr double kShortestStep = 0x1p-26;
+
+/// Whether the time is over, asked at every 16th of the columns of a loop: of some thousands, a step takes seconds.
+bool is_late(Index column, double deadline_s) { return column % 16 == 15 && !(wall_clock_s() < deadline_s); }
+
+/// Factors the lower triangle of A in place as L L'; false, with A spoiled, when a pivot is not positive and finite, or
+/// the time is over. Column by column, so that nothing is allocated.
+bool cholesky_in_place(Matrix& A, double deadline_s) {
+  const Index n = A.rows();
+  for (Index j = 0; j < n; ++j) {
+    if (is_late(j, deadline_s)) return false;
+    A.col(j).tail(n - j).noalias() -= A.block(j, 0, n - j, j) * A.row(j).head(j).transpose();
+    const double pivot = A(j, j);
+    if (!(pivot > 0) || !std::isfinite(pivot)) return false;
+    A.col(j).tail(n - j) /= std::sqrt(pivot);
+  }
+  return true;
+}
 
 /// How a run of the method ends.
 enum class InteriorEnd { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
@@ -120,13 +136,14 @@ class PrimalDual final : public Solver {
   void evaluate_residuals(const Point& point);
   double residual_norm(const Point& point, double t) const;
   bool converged() const;
-  bool find_direction(double t, Counters& counters);
-  void form_newton_matrix();
+  bool find_direction(double t, double deadline_s, Counters& counters);
+  bool form_newton_matrix(double deadline_s);
+  bool factor_newton_matrix(double deadline_s, Counters& counters);
   double longest_step() const;
   void step_to_trial(double s);
   bool line_search(double t);
   double lcp_residual();
-  void finish_on_support(Vector& z);
+  void finish_on_support(double deadline_s, Vector& z);
   void settle(InteriorEnd end, double deadline_s, Answer& answer);
 
   PrimalDualSettings settings_;
@@ -205,28 +222,47 @@ bool PrimalDual::converged() const {
          point_.surrogate_gap() <= settings_.gap_tolerance;
 }
 
-/// newton_ (lower triangle) = H + diag(lambda / z) + M' diag(kappa / y) M.
-void PrimalDual::form_newton_matrix() {
+/// newton_ (lower triangle) = H + diag(lambda / z) + M' diag(kappa / y) M. False where the time is over.
+bool PrimalDual::form_newton_matrix(double deadline_s) {
   const Index n = q_.size();
   for (Index j = 0; j < n; ++j) {
+    if (is_late(j, deadline_s)) return false;
     work_.array() = point_.kappa.array() / point_.y.array() * M_.col(j).array();
     auto column = newton_.col(j).tail(n - j);
     column = H_.col(j).tail(n - j);
     column.noalias() += M_.rightCols(n - j).transpose() * work_;
     newton_(j, j) += point_.lambda(j) / point_.z(j);
   }
+  return true;
+}
+
+/// Factors newton_ into factor_. Where it is not positive definite, multiples of the identity are added, relative to
+/// its largest diagonal entry: from the rounding error of the entries to what dominates them. False when none helps.
+bool PrimalDual::factor_newton_matrix(double deadline_s, Counters& counters) {
+  constexpr double kFirstCorrection = 1e-15;
+  constexpr double kCorrectionGrowth = 100.0;
+  constexpr double kLastCorrection = 1e3;
+  const double largest = newton_.diagonal().cwiseAbs().maxCoeff();
+  for (double correction = 0; correction <= kLastCorrection;
+       correction = correction > 0 ? correction * kCorrectionGrowth : kFirstCorrection) {
+    factor_ = newton_;
+    factor_.diagonal().array() += correction * largest;
+    ++counters.factorizations;
+    if (cholesky_in_place(factor_, deadline_s)) return true;
+  }
+  return false;
 }
 
 /// The Newton step on the perturbed optimality conditions, the slack and the multipliers eliminated. [BV04 (11.55)]
-bool PrimalDual::find_direction(double t, Counters& counters) {
-  form_newton_matrix();
-  if (!factor_with_corrections(newton_, factor_, counters)) return false;
+bool PrimalDual::find_direction(double t, double deadline_s, Counters& counters) {
+  if (!form_newton_matrix(deadline_s) || !factor_newton_matrix(deadline_s, counters)) return false;
   const auto z = point_.z.array();
   const auto y = point_.y.array();
   work_.array() = 1 / (t * y) - point_.kappa.array() - point_.kappa.array() / y * r_pri_.array();
   direction_.z.array() = 1 / (t * z) - point_.lambda.array() - r_dual_.array();
   direction_.z.noalias() += M_.transpose() * work_;
-  solve_with_factor(factor_, direction_.z);
+  factor_.triangularView<Eigen::Lower>().solveInPlace(direction_.z);
+  factor_.transpose().triangularView<Eigen::Upper>().solveInPlace(direction_.z);
   direction_.y = r_pri_;
   direction_.y.noalias() += M_ * direction_.z;
   direction_.lambda.array() = 1 / (t * z) - point_.lambda.array() - point_.lambda.array() / z * direction_.z.array();
@@ -278,7 +314,10 @@ InteriorEnd PrimalDual::iterate(double deadline_s, Counters& counters) {
     if (counters.iterations >= settings_.max_iterations) return InteriorEnd::kIterationLimit;
     if (!(wall_clock_s() < deadline_s)) return InteriorEnd::kTimeLimit;
     const double t = settings_.barrier_factor * constraints / point_.surrogate_gap();
-    if (!std::isfinite(t) || !find_direction(t, counters)) return InteriorEnd::kBreakdown;
+    if (!std::isfinite(t)) return InteriorEnd::kBreakdown;
+    if (!find_direction(t, deadline_s, counters)) {
+      return wall_clock_s() < deadline_s ? InteriorEnd::kBreakdown : InteriorEnd::kTimeLimit;
+    }
     if (!line_search(t)) return InteriorEnd::kStalled;
   }
 }
@@ -297,8 +336,9 @@ double PrimalDual::lcp_residual() {
 }
 
 /// The solution of M z = -q on the rows and columns of the nonzero entries of z, by elimination with complete pivoting;
-/// what depends on the pivots before it, to rounding, stays zero. O(k^3). Spoils factor_ and work_.
-void PrimalDual::finish_on_support(Vector& z) {
+/// what depends on the pivots before it, to rounding, or comes after the deadline, stays zero. O(k^3). Spoils factor_
+/// and work_.
+void PrimalDual::finish_on_support(double deadline_s, Vector& z) {
   constexpr double kDependent = 1e-12;
   Index order = 0;
   for (Index i = 0; i < z.size(); ++i) {
@@ -319,7 +359,7 @@ void PrimalDual::finish_on_support(Vector& z) {
     Index column = 0;
     const double largest = block.bottomRightCorner(left, left).cwiseAbs().maxCoeff(&row, &column);
     first = std::max(first, largest);
-    if (!(largest > kDependent * first)) break;
+    if (!(largest > kDependent * first) || is_late(rank, deadline_s)) break;
     block.row(rank).swap(block.row(rank + row));
     std::swap(x(rank), x(rank + row));
     block.col(rank).swap(block.col(rank + column));
@@ -348,7 +388,7 @@ void PrimalDual::settle(InteriorEnd end, double deadline_s, Answer& answer) {
   answer.claim = Claim::kSolved;
   answer.detail = end == InteriorEnd::kStalled ? "no step reduces the residual further; finished on its support"
                                                : "finished on its support";
-  finish_on_support(answer.z);
+  finish_on_support(deadline_s, answer.z);
   if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/timed_solve.h"
 #include "tests/support/solving.h"
 #include "tests/support/textbook_lcps.h"
 
@@ -48,6 +49,17 @@ TEST(PrimalDualTest, ATighterGapAndTheComplementarityObjectiveGainAccuracy) {
   const Answer complementarity = solve(lcp, "objective=complementarity,test=none");
   ASSERT_EQ(complementarity.claim, Claim::kSolved);
   EXPECT_LE((complementarity.z - z).norm(), 1e-2 * (work.z - z).norm());
+}
+
+// A step of some thousands of rows takes seconds: what stops it is asked many times within one.
+TEST(PrimalDualTest, IsStoppedWithinAStep) {
+  Vector z;
+  const Lcp lcp = well_conditioned(300, z);
+  int asked = 0;
+  const StopCheck stop([&] { return ++asked > 10; });
+  const Answer answer = testing::solve("primal_dual", Problem("case", lcp), {.time_limit_s = 1e6});
+  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
+  EXPECT_EQ(answer.counters.iterations, 0);
 }
 
 TEST(PrimalDualTest, SaysWhenItsToleranceWasOutOfReach) {
