@@ -1,8 +1,8 @@
 #include "native/auto/methods.h"
 
 #include "native/active_set/active_set.h"
+#include "native/contact_ipm/contact_ipm.h"
 #include "native/friction_ipm/friction_ipm.h"
-#include "native/proximal_newton/proximal_newton.h"
 #include "native/sor/psor.h"
 #include "native/velocity_ipm/velocity_ipm.h"
 
@@ -28,7 +28,7 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
     case AutoMethod::kPsor: return make_psor(sweeps(1));
     case AutoMethod::kOverRelaxedPsor: return make_psor(sweeps(1.3));
-    case AutoMethod::kProximalNewton: return make_proximal_newton();
+    case AutoMethod::kContactIpm: return make_contact_ipm();
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }
@@ -41,7 +41,7 @@ bool Methods::takes(AutoMethod method, const Problem& problem) {
   const Capabilities& lemke = ContactLemke::kCapabilities;
   if (method == AutoMethod::kContactLemke && problem.size() > lemke.max_size) return why_not(lemke, problem).empty();
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
-  return method != AutoMethod::kProximalNewton || contact.inertia.index() <= 1;  // G is given
+  return method != AutoMethod::kContactIpm || contact.inertia.index() <= 1;  // G is given
 }
 
 void Methods::begin(const Problem& problem, const Vector& v, bool is_one_island) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLargestLog = 60;
 
-/// Of dense methods, of velocity_ipm, of proximal_newton, and of others that converge, whose work is less certain.
+/// Of dense methods, of velocity_ipm, of contact_ipm, and of others that converge, whose work is less certain.
 constexpr double kShapeOfDense = 1.1, kShapeOfInteriorPoint = 2, kShapeOfNewton = 1.6, kShapeOfConverging = 0.7;
 
 /// A dense matrix of so many numbers (1.8 MB) is in no fast cache: a multiplication takes twice as long.
@@ -48,7 +48,7 @@ Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
 
 Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features) {
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
-  const bool is_newton = method == AutoMethod::kVelocityIpm || method == AutoMethod::kProximalNewton;
+  const bool is_newton = method == AutoMethod::kVelocityIpm || method == AutoMethod::kContactIpm;
   const double shape_of_newton = method == AutoMethod::kVelocityIpm ? kShapeOfInteriorPoint : kShapeOfNewton;
   Entrant entrant{.shape = is_newton ? shape_of_newton : kShapeOfConverging,
                   .load_cost = power_of_sum(row.load, features),

@@ -31,7 +31,7 @@ struct Row {
 constexpr const Row& row_of(AutoMethod method, bool frictional) {
   const Row& psor = frictional ? kPsor : kSweeps;
   const std::array<const Row*, kAutoMethods> rows{&kActiveSet, &kContactLemke, &kVelocityIpm, &kFrictionIpm,
-                                                  &psor, &kProximalNewton, &psor};
+                                                  &psor, &kContactIpm, &psor};
   return *rows[static_cast<std::size_t>(method)];
 }
 

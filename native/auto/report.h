@@ -11,7 +11,7 @@ namespace lcpbench {
 
 /// The methods of the race in which `auto` solves contacts.
 enum class AutoMethod {
-  kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kProximalNewton, kOverRelaxedPsor };
+  kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kContactIpm, kOverRelaxedPsor };
 inline constexpr std::size_t kAutoMethods = 7;
 
 /// What `auto` did for one answer to a contact problem, over all islands.

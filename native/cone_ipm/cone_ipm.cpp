@@ -10,9 +10,9 @@
 #include "core/round_cone.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
-#include "native/contacts/problem_cutter.h"
 #include "native/cone_ipm/cone_island.h"
 #include "native/cone_ipm/cone_test.h"
+#include "native/contacts/problem_cutter.h"
 
 namespace lcpbench {
 namespace {
@@ -38,9 +38,10 @@ struct ConeIpmSettings {
           "that the answer is then judged by");
     field("tolerance", tolerance, RealRange{.min = 0},
           "stop when the residual of the cone's conditions is at most this times max|q| of the island");
-    field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when that residual, evaluated in double, is at most this times max|q| of every island, "
-          "and the answer passes the test of the verdict's measure");
+    field(
+        "accept_residual", accept_residual, RealRange{.min = 0},
+        "claim solved only when that residual, evaluated in double, is at most this, or tolerance where that is more, "
+        "times max|q| of every island, and the answer passes the test of the verdict's measure");
     field("error", error, RealRange{.min = 0},
           "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance and "
           "accept_residual do");
@@ -164,8 +165,10 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   // Without friction AnswerTest asks for the accuracy of all native solvers.
   const bool may_err = by_cone() && part.method.speed() > 0;
   const double allowed = may_err ? settings_.error / part.method.speed() : 0.0;
-  const double accepted = std::max(settings_.accept_residual, allowed);
-  const ConeLimits limits{.tolerance = std::max(settings_.tolerance, allowed),
+  // Neither AnswerTest nor ConeTest passes more than kClaimedResidual.
+  const double tolerance = std::max(std::min(settings_.tolerance, kClaimedResidual / 2), allowed);
+  const double accepted = std::max(settings_.accept_residual, tolerance);
+  const ConeLimits limits{.tolerance = tolerance,
                           .accepted = accepted,
                           .max_iterations = settings_.max_iterations,
                           .deadline_s = deadline_s};

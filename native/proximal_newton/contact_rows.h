@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "native/contacts/contact_impulses.h"
@@ -13,6 +14,19 @@ struct ContactRows {
   Eigen::Matrix3Xd J;
   std::vector<int> coordinates;  ///< in rising order
   Index friction = -1;           ///< in ContactImpulses::frictions; -1: none
+
+  /// J u.
+  Eigen::Vector3d velocity(const Vector& u) const {
+    Eigen::Vector3d w = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < coordinates.size(); ++k) w += J.col(static_cast<Index>(k)) * u(coordinates[k]);
+    return w;
+  }
+  /// momentum += J'f.
+  void add_momentum(const Eigen::Vector3d& f, Vector& momentum) const {
+    for (std::size_t k = 0; k < coordinates.size(); ++k) {
+      momentum(coordinates[k]) += J.col(static_cast<Index>(k)).dot(f);
+    }
+  }
 };
 
 /// Fills `rows` for all contacts, or stops at the first one whose directions are not T times those of edge_direction().

@@ -23,7 +23,7 @@ RIDGE = 1e-2  # of the squared coefficients, for each row of the table; features
 LEAST_NS = 1e4  # a solve of less is too short for the clock to tell what a unit of work takes
 
 # By name, method and friction, in the order of the file.
-ROWS = (("kContactLemke", 1, 1), ("kFrictionIpm", 3, 1), ("kPsor", 4, 1), ("kProximalNewton", 5, 1),
+ROWS = (("kContactLemke", 1, 1), ("kFrictionIpm", 3, 1), ("kPsor", 4, 1), ("kContactIpm", 5, 1),
         ("kActiveSet", 0, 0), ("kVelocityIpm", 2, 0), ("kSweeps", 4, 0))
 
 # What one method took for one problem to one residual. `reached` is 0 where `work` is what it had done when it gave up.

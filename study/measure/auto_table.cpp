@@ -65,7 +65,7 @@ void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
   Methods methods(std::make_shared<LaterEngines>());
   for (std::size_t k = 0; k < static_cast<std::size_t>(AutoMethod::kOverRelaxedPsor); ++k) {  // as psor
     const auto method = static_cast<AutoMethod>(k);
-    const bool for_friction = method == AutoMethod::kFrictionIpm || method == AutoMethod::kProximalNewton;
+    const bool for_friction = method == AutoMethod::kFrictionIpm || method == AutoMethod::kContactIpm;
     if (!Methods::takes(method, problem) || (for_friction && !contact->frictional())) continue;
     double load_s = kTimeLimit;
     for (int run = 0; run < (load_s < kShort ? kRuns : 2); ++run) {

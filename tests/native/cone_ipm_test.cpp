@@ -110,6 +110,16 @@ ContactProblem two_points(const Matrix& first_inertia, const Vector& v) {
   return both;
 }
 
+TEST(ConeIpmTest, WhereALargeToleranceEndsItIsAnAnswer) {
+  const auto set = open_set("scene/wedge/ode");
+  for (std::int64_t step = 0; step < *set->count(); ++step) {
+    const Problem problem = set->generate(1, step);
+    const Answer answer = solve(problem, {{"cone", "true"}, {"tolerance", "1e-4"}});
+    EXPECT_EQ(answer.claim, Claim::kSolved) << step;
+    EXPECT_LE(cone_residual(problem, answer), 1e-4) << step;
+  }
+}
+
 TEST(ConeIpmTest, TheLargestLimitOfIterationsIsOneOfEachIsland) {
   const Problem problem("both", two_points(Matrix::Identity(3, 3), vector_of({1, 0.3, -1, 1, 0.2, -1})));
   const std::string most = std::to_string(std::numeric_limits<std::int64_t>::max());

@@ -24,7 +24,7 @@ using testing::solve;
 constexpr SolveRequest kPatient{.time_limit_s = 60};
 
 /// With friction, too.
-const char* const kTakeSoftFriction[] = {"contact_lemke", "psor", "auto", "friction_ipm", "proximal_newton"};
+const char* const kTakeSoftFriction[] = {"contact_lemke", "psor", "auto", "friction_ipm", "proximal_newton", "contact_ipm"};
 
 enum class Which { kAll, kSome };
 

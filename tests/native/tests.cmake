@@ -1,7 +1,7 @@
 lcpbench_room(native LINK lcpbench_solver_list lcpbench_native lcpbench_steppers lcpbench_generators lcpbench_evaluation
               lcpbench_statistics)
-foreach(test conformance active_set auto auto_rest auto_scenes bare_claims claims cone_ipm
-        contact_farkas even_impulses exact_search friction_ipm island_units mixed_lcp multifrontal primal_dual
+foreach(test conformance active_set auto auto_rest auto_scenes bare_claims claims cone_ipm contact_farkas contact_ipm
+        even_impulses exact_search friction_ipm island_units mixed_lcp multifrontal primal_dual
         principal_pivoting proximal_newton psor race resumable soft_contacts sparse_pivoting steppers
         velocity_ipm warm_steps)
   lcpbench_test(${test})
