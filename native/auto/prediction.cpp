@@ -15,6 +15,9 @@ constexpr double kLargestLog = 60;
 /// Of dense methods, of velocity_ipm, of contact_ipm, and of others that converge, whose work is less certain.
 constexpr double kShapeOfDense = 1.1, kShapeOfInteriorPoint = 2, kShapeOfNewton = 1.6, kShapeOfConverging = 0.7;
 
+/// Of contact_ipm, over its prediction: where another method is about as fast, that one ends at rest or to rounding.
+constexpr double kCaution = 2;
+
 /// A dense matrix of so many numbers (1.8 MB) is in no fast cache: a multiplication takes twice as long.
 constexpr double kCachedNumbers = 230'000;
 
@@ -65,6 +68,7 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                              features[static_cast<std::size_t>(Feature::kRedundancy)] >= 0 &&
                              features[static_cast<std::size_t>(Feature::kCoordinates)] >= kManyCoordinates;
   entrant.cost = entrant.load_cost + (is_degenerate ? kDegenerate : 1) * entrant.weight / row.weight * solve;
+  if (method == AutoMethod::kContactIpm) entrant.cost *= kCaution;
   return entrant;
 }
 
