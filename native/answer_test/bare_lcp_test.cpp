@@ -1,12 +1,11 @@
 #include "native/answer_test/bare_lcp_test.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <Eigen/LU>
-
-#include "native/proofs/exact_sum.h"
+#include "core/answer/exact_sum.h"
 
 namespace lcpbench {
 namespace {

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/answer/farkas.h"
 #include "core/timed_solve.h"
-#include "native/proofs/exact_sum.h"
 #include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
@@ -41,14 +41,6 @@ constexpr double kLargestDenominator = 0x1p20;
 template <class Scalar>
 constexpr Quad kRayError = Quad(sizeof(Scalar) == sizeof(double) ? 0x1p-40 : 0x1p-80);
 
-int sign(const Lcp& lcp, Index column, const Vector& u, ExactSum& sum) {
-  sum.clear();
-  for (Index i = 0; i < u.size(); ++i) {
-    if (u(i) != 0) sum.add(column < 0 ? lcp.q(i) : lcp.M(i, column), u(i));
-  }
-  return sum.sign();
-}
-
 /// The nearest integer. @param x at least 0 and below 2^62
 Quad nearest_integer(Quad x) { return static_cast<Quad>(static_cast<std::int64_t>(x + Quad{0.5})); }
 
@@ -77,15 +69,7 @@ std::int64_t denominator_of(Quad x, Quad error) {
 
 }  // namespace
 
-bool is_farkas_vector(const Lcp& lcp, const Vector& u) {
-  if (u.size() != lcp.size() || u.size() == 0 || !u.allFinite() || !(u.minCoeff() >= 0)) return false;
-  ExactSum sum;
-  if (sign(lcp, -1, u, sum) >= 0) return false;
-  for (Index j = 0; j < u.size(); ++j) {
-    if (sign(lcp, j, u, sum) > 0) return false;
-  }
-  return true;
-}
+bool is_farkas_vector(const Lcp& lcp, const Vector& u) { return proves_unsolvable(lcp, u); }
 
 /// s + A x = 0 with s, x >= 0, and the value c'x, which is to be negative. One row for each s, one
 /// column for each x.

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/answer/cone_friction.h"
 #include "core/io/problem_checks.h"
 #include "core/registry.h"
 #include "core/round_cone.h"
@@ -18,7 +19,6 @@
 #include "native/lcpbench_checks.h"
 #include "python/src/arrays.h"
 #include "python/src/mujoco_step.h"
-#include "study/evaluation/cone_friction.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
 #include "study/output/explanation.h"

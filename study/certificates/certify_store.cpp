@@ -6,18 +6,18 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <gmpxx.h>
 
+#include "core/entries.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
-#include "study/evaluation/farkas.h"
 #include "study/store/parallel_work.h"
 
 namespace lcpbench {
@@ -113,9 +113,19 @@ Sets open_sets(const std::vector<CertifyTask>& tasks) {
 double least_violation(const Problem& problem, const Certificate& certificate) {
   const ContactProblem* contact = problem.contact();
   if (certificate.proof != ProofKind::kFarkas || contact == nullptr) return kNone;
-  const std::span<const std::string> u(certificate.exact_farkas.numerators);  // of the normals, then zeros of friction
-  const auto normals = static_cast<std::size_t>(contact->nc());
-  return u.size() < normals ? kNone : least_violation(*contact, u.first(normals));
+  const std::vector<std::string>& numerators = certificate.exact_farkas.numerators;  // of the normals, then of friction
+  if (std::ssize(numerators) < contact->nc()) return kNone;
+  mpq_class missing, total;
+  for (Index c = 0; c < contact->nc(); ++c) {
+    const mpq_class u(mpz_class(numerators[static_cast<std::size_t>(c)]));
+    mpq_class q(contact->offset(c));
+    for_each_entry(contact->N, c, [&](Index i, double entry) { q += mpq_class(entry) * mpq_class(contact->v(i)); });
+    missing -= u * q;
+    total += u;
+  }
+  if (sgn(total) <= 0) return kNone;
+  const double bound = mpq_class(missing / total).get_d();  // rounded towards zero
+  return std::min(bound, std::numeric_limits<double>::max());
 }
 
 CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s) {

@@ -1,48 +1,37 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
-#include "core/round_cone.h"
-#include "study/evaluation/cone_friction.h"
-#include "study/evaluation/contact_lcp.h"
+#include "core/answer/contact_residual.h"
 #include "study/evaluation/evaluation.h"
-#include "study/evaluation/island_rows.h"
 
 namespace lcpbench {
 
-/// Measures the answers to one contact problem in 113 bits: the part of an Evaluator that needs v, N, D, mu and G,
-/// which an LCP's q and M do not show.
-struct ContactEvaluation {
-  /// @param contact, of_rows  must outlive this object
-  ContactEvaluation(const ContactProblem& contact, const IslandRows& of_rows)
-      : problem(contact), islands(of_rows), inertia(contact.inertia) {
-    if (!inertia.well_defined()) return;
-    lcp.emplace(contact, inertia);
-    if (contact.frictional() && why_no_cone(contact).empty()) cone.emplace(contact, *lcp);
-  }
+/// Measures the answers to one contact problem: the part of an Evaluator that needs v, N, D, mu and G, which an LCP's q
+/// and M do not show.
+class ContactEvaluation {
+ public:
+  /// @param contact  finite, must outlive this object
+  explicit ContactEvaluation(const ContactProblem& contact) : contact_(contact) {}
 
-  /// @param v_plus, w  the response and all rows of the LCP under z
-  void measure(const QuadVector& z, const QuadVector& v_plus, const QuadVector& w, Errors& errors);
-  double forward_velocity(const QuadVector& velocity) const;
-  /// scale_I of each island, see Errors::velocity_residual_relative; computed at the first call.
-  const QuadVector& scales();
-  /// The entry of r, see Errors::velocity_residual_m_per_s. @param w  all rows under z
-  Quad row_residual(std::size_t row, const QuadVector& z, const QuadVector& w);
-
-  const ContactProblem& problem;
-  const IslandRows& islands;
-  RefinedInertia inertia;
-  std::optional<ContactLcp> lcp;
-  std::optional<ConeFriction> cone;  // none without friction, or if its directions name no cone
-  std::optional<QuadVector> v_star;
+  /// @param answer  usable @param model  by whose conditions: see measure_friction()
+  Errors errors(const Answer& answer, FrictionModel model);
+  /// Of a z that is finite and of the right length; NaN where it cannot be known.
+  double forward_velocity(const Vector& z) const;
+  void set_certified_velocity(const Vector& v_star) { v_star_ = numbers(v_star); }
+  bool proven_positive_definite() const { return contact_.inertia.proven_positive_definite(); }
+  /// See Errors::optimum_distance. @pre contact_.lcp, why_no_round_cone() is ""
+  double optimum_distance(const Vector& z);
 
  private:
-  QuadVector measure_residual(const QuadVector& z, const QuadVector& w, Errors& errors);
-  double model_error(const QuadVector& z, const QuadVector& v_plus, const QuadVector& residuals);
-  Quad work_gain(const QuadVector& z, const QuadVector& v_plus) const;
+  void measure(const Answer& answer, FrictionModel model, Errors& errors);
+  WorstRow describe(const ContactResidual::Worst& worst, FrictionModel model,
+                    const ContactResidual::Point& point) const;
+  double work_gain(const ContactResidual::Point& point) const;
+  double forward_velocity(const QuadVector& velocity) const;
 
-  QuadVector scales_;  // made by scales()
+  ContactResidual contact_;
+  std::optional<QuadVector> v_star_;
 };
 
 }  // namespace lcpbench

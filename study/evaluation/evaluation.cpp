@@ -1,26 +1,24 @@
 #include "study/evaluation/evaluation.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 
+#include "core/answer/farkas.h"
+#include "core/answer/lcp_error.h"
 #include "core/compliance.h"
-#include "core/quad_inertia.h"
-#include "study/evaluation/backward_error.h"
 #include "study/evaluation/contact_evaluation.h"
-#include "study/evaluation/farkas.h"
-#include "study/evaluation/measures.h"
-#include "study/evaluation/mixed_errors.h"
-#include "study/evaluation/returned_velocity.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr Index kLargestBareOrderForTruth = 64;
 
+/// Rows that are limited by what others carry are no LCP on a fixed box, of which the theorem is.
 Truth bare_truth(const Lcp& lcp) {
-  if (lcp.size() > kLargestBareOrderForTruth) return Truth::kUnknown;
+  const std::vector<int>& of = lcp.bounds.friction_of;
+  const bool has_friction = std::any_of(of.begin(), of.end(), [](int row) { return row >= 0; });
+  if (has_friction || lcp.size() > kLargestBareOrderForTruth) return Truth::kUnknown;
   QuadMatrix symmetric(lcp.M);
   for (std::size_t i = 0; i < symmetric.rows; ++i) {
     for (std::size_t j = 0; j <= i; ++j) symmetric(i, j) = symmetric(j, i) = symmetric(i, j) + symmetric(j, i);
@@ -49,64 +47,39 @@ bool has_semidefinite_response(const Inertia& inertia) {
 }  // namespace
 
 struct Evaluator::Data {
-  explicit Data(const Problem& the_problem) : problem(the_problem) {
-    if (!why_not({}, problem).empty()) return;  // it has NaN or infinity
-    const ContactProblem* const data = problem.contact();
-    islands.emplace(data != nullptr ? row_islands(*data) : row_islands(problem.lcp().M));
-    if (data != nullptr) contact.emplace(*data, *islands);
+  explicit Data(const Problem& the_problem) : problem(the_problem), is_finite(why_not({}, problem).empty()) {
+    if (!is_finite) return;
+    if (problem.contact() == nullptr) {
+      blocks = row_islands(problem.lcp().M);
+    } else {
+      contact.emplace(*problem.contact());
+    }
   }
 
-  Problem problem;                    // keeps the data alive that the others refer to
-  std::optional<IslandRows> islands;  // none where the data are not finite: then nothing is measured
+  Problem problem;  // keeps the data alive that the others refer to
+  bool is_finite;   // it has neither NaN nor infinity; else nothing is measured
+  RowIslands blocks;
   std::optional<ContactEvaluation> contact;
 };
 
 namespace {
 
-// False when the answer has no measures.
-bool measure_rows(const QuadVector& z, const QuadVector& u, const QuadVector& w, Errors& errors) {
-  if (!all_finite(w) || !all_finite(u)) return false;
-  errors.min_z = z.empty() ? 0 : std::numeric_limits<double>::infinity();
-  for (const Quad value : z) errors.min_z = std::min(errors.min_z, to_double(value));
-  Quad natural = 0, sum = 0;
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    if (is_complementary(z[i], w[i])) continue;
-    natural = larger(natural, abs(smaller(z[i], w[i])));
-    sum += z[i] * w[i];
-  }
-  errors.natural_residual = to_double(natural);
-  errors.complementarity_j = to_double(sum);
-  return true;
-}
-
-Errors contact_errors(ContactEvaluation& contact, const Answer& answer, Errors errors) {
-  errors.unresolved = contact.inertia.unresolved();
-  if (!contact.lcp) return errors;
+Errors bare_errors(const Lcp& lcp, const RowIslands& blocks, const Answer& answer) {
+  Errors errors;
+  errors.usable = true;
   const QuadVector z = numbers(answer.z);
-  const QuadVector u = contact.lcp->response(z), w = contact.lcp->all_rows(z, u);
-  const Errors unmeasured = errors;
-  if (measure_rows(z, u, w, errors)) {
-    contact.measure(z, u, w, errors);
-    ReturnedVelocity returned(contact, z, u);
-    errors.velocity_mismatch = returned.mismatch(answer.velocity);
-    returned.measure(answer.velocity, errors);
+  const LcpError<Quad> error = lcp_error<Quad>(lcp, z, blocks);
+  if (!lcp.is_mixed()) {
+    if (!all_finite(error.w)) return errors;
+    errors.min_z = z.empty() ? 0 : answer.z.minCoeff();
+    errors.complementarity_j = to_double(complementarity(z, error.w));
   }
-  if (!contact.inertia.well_defined()) errors = unmeasured;  // 113 bits were needed, and found no G*
-  errors.unresolved = contact.inertia.unresolved();
-  return errors;
-}
-
-Errors bare_errors(const Lcp& lcp, const IslandRows& islands, const Answer& answer, Errors errors) {
-  const QuadVector z = numbers(answer.z);
-  const QuadVector w = complement(lcp, z);
-  if (!measure_rows(z, w, w, errors)) return errors;
-  const BackwardError backward = backward_error(lcp, z, w, islands);
-  errors.backward_row_norm = to_double(backward.error);
+  errors.natural_residual = to_double(error.natural);
+  errors.backward_row_norm = to_double(error.backward);
   errors.decide(kSolvedBackwardError);
-  if (backward.row) {
-    errors.worst = {.row = static_cast<Index>(*backward.row),
-                    .z = answer.z(static_cast<Index>(*backward.row)),
-                    .w = to_double(w[*backward.row])};
+  if (error.row >= 0) {
+    errors.worst = {
+        .row = error.row, .z = answer.z(error.row), .w = to_double(error.w[static_cast<std::size_t>(error.row)])};
   }
   return errors;
 }
@@ -120,10 +93,9 @@ Errors Evaluator::errors(const Answer& answer) {
   Errors errors;
   errors.usable = answer.claim != Claim::kUnsupported && answer.z.size() == data_->problem.size() &&
                   answer.z.allFinite();  // a refusal has no answer, also where an answer has no numbers
-  if (!errors.usable || !data_->islands) return errors;
-  if (data_->contact) return contact_errors(*data_->contact, answer, errors);
-  const Lcp& lcp = data_->problem.lcp();
-  return lcp.is_mixed() ? mixed_errors(lcp, answer.z) : bare_errors(lcp, *data_->islands, answer, errors);
+  if (!errors.usable || !data_->is_finite) return errors;
+  if (data_->contact) return data_->contact->errors(answer, FrictionModel::kPyramid);
+  return bare_errors(data_->problem.lcp(), data_->blocks, answer);
 }
 
 Judgement Evaluator::judge(const Answer& answer) {
@@ -138,9 +110,7 @@ Judgement Evaluator::judge(const Answer& answer) {
 
 double Evaluator::forward_velocity(const Answer& answer) {
   const bool usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
-  if (!usable || !data_->contact || !data_->contact->lcp) return Errors::kNone;
-  const QuadVector v_plus = data_->contact->lcp->response(numbers(answer.z));
-  return all_finite(v_plus) ? data_->contact->forward_velocity(v_plus) : Errors::kNone;
+  return usable && data_->contact ? data_->contact->forward_velocity(answer.z) : Errors::kNone;
 }
 
 void Evaluator::set_certified_velocity(const Vector& v_star) {
@@ -148,25 +118,22 @@ void Evaluator::set_certified_velocity(const Vector& v_star) {
   if (problem == nullptr || v_star.size() != problem->ngc() || !v_star.allFinite()) {
     throw std::invalid_argument("set_certified_velocity: needs a contact problem and ngc finite entries");
   }
-  if (data_->contact) data_->contact->v_star = numbers(v_star);
+  if (data_->contact) data_->contact->set_certified_velocity(v_star);
 }
 
 Truth Evaluator::truth() const {
-  if (!data_->islands) return Truth::kUnknown;
-  if (data_->problem.contact() == nullptr) {
-    return has_friction(data_->problem.lcp()) ? Truth::kUnknown : bare_truth(data_->problem.lcp());
-  }
+  if (!data_->is_finite) return Truth::kUnknown;
+  if (data_->problem.contact() == nullptr) return bare_truth(data_->problem.lcp());
   const ContactProblem& problem = *data_->problem.contact();
   if (!(problem.mu.array() >= 0).all()) return Truth::kUnknown;
   if (every_contact_yields(problem) && has_semidefinite_response(problem.inertia)) return Truth::kSolvable;
   if (!rest_satisfies(problem)) return Truth::kUnknown;
-  return data_->contact->inertia.proven_positive_definite() ? Truth::kSolvable : Truth::kUnknown;
+  return data_->contact->proven_positive_definite() ? Truth::kSolvable : Truth::kUnknown;
 }
 
 bool Evaluator::check_farkas(const Vector& u) const {
   const ContactProblem* const problem = data_->problem.contact();
-  if (problem != nullptr) return proves_unsolvable(*problem, u);
-  return !data_->problem.lcp().is_mixed() && proves_unsolvable(data_->problem.lcp(), u);
+  return problem != nullptr ? proves_unsolvable(*problem, u) : proves_unsolvable(data_->problem.lcp(), u);
 }
 
 }  // namespace lcpbench

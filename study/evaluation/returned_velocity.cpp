@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "study/evaluation/measures.h"
-
 namespace lcpbench {
 namespace {
 
@@ -24,10 +22,8 @@ Vector inertia_diagonal(const Inertia& inertia) {
 
 }  // namespace
 
+/// Errors::velocity_mismatch
 double ReturnedVelocity::mismatch(const Vector& returned) const {
-  if (returned.size() == 0) return Errors::kNone;
-  const bool usable = returned.size() == contact_.problem.ngc() && returned.allFinite();
-  if (!usable) return std::numeric_limits<double>::infinity();
   const RefinedInertia& inertia = contact_.inertia;
   const QuadVector velocity = numbers(returned);
   const QuadVector& v = contact_.lcp->velocity_before();
@@ -138,8 +134,9 @@ Quad ReturnedVelocity::scale_of(std::size_t coordinate) {
 
 void ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
   if (returned.size() == 0) return;
-  errors.returned_velocity_error = std::numeric_limits<double>::infinity();
+  errors.returned_velocity_error = errors.velocity_mismatch = std::numeric_limits<double>::infinity();
   if (returned.size() == contact_.problem.ngc() && returned.allFinite()) {
+    errors.velocity_mismatch = mismatch(returned);
     const QuadVector& v = contact_.lcp->velocity_before();
     Quad largest = 0;
     for (std::size_t i = 0; i < v.size(); ++i) {
@@ -156,7 +153,7 @@ void ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
     }
     errors.returned_velocity_error = to_double(largest);
   }
-  errors.solved = errors.solved && errors.velocity_passes();
+  errors.decide(errors.limit);
 }
 
 }  // namespace lcpbench

@@ -4,7 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "study/evaluation/contact_evaluation.h"
+#include "core/answer/contact_residual.h"
+#include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
 
@@ -12,15 +13,14 @@ namespace lcpbench {
 class ReturnedVelocity {
  public:
   /// @param v_plus  implied by z. @param contact, z, v_plus  must outlive this object.
-  ReturnedVelocity(ContactEvaluation& contact, const QuadVector& z, const QuadVector& v_plus)
+  ReturnedVelocity(ContactResidual& contact, const QuadVector& z, const QuadVector& v_plus)
       : contact_(contact), z_(z), v_plus_(v_plus) {}
 
-  /// Errors::velocity_mismatch
-  double mismatch(const Vector& returned) const;
-  /// Sets Errors::returned_velocity_error, and what follows from it.
+  /// Sets Errors::returned_velocity_error and velocity_mismatch, and what follows from them.
   void measure(const Vector& returned, Errors& errors);
 
  private:
+  double mismatch(const Vector& returned) const;
   /// Sums over an island.
   struct IslandImpulses {
     Quad size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
@@ -45,7 +45,7 @@ class ReturnedVelocity {
   Quad rounding(std::size_t coordinate, const Response& response);
   Quad scale_of(std::size_t coordinate);
 
-  ContactEvaluation& contact_;
+  ContactResidual& contact_;
   const QuadVector& z_;
   const QuadVector& v_plus_;
   std::optional<ImpulseScale> impulse_scale_;  // made by impulse_scale()

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "study/evaluation/cone_friction.h"
+#include "core/answer/cone_friction.h"
 
 namespace lcpbench {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "core/answer/contact_lcp.h"
 #include "core/solver.h"
-#include "study/evaluation/contact_lcp.h"
 
 namespace lcpbench {
 

@@ -1,8 +1,9 @@
 #include "study/view/contact_numbers.h"
 
+#include <algorithm>
+
+#include "core/answer/contact_residual.h"
 #include "core/compliance.h"
-#include "study/evaluation/contact_evaluation.h"
-#include "study/evaluation/measures.h"
 
 namespace lcpbench {
 namespace {
@@ -47,36 +48,16 @@ std::vector<Vector3d> contact_impulses(const ContactProblem& problem, const Vect
 }
 
 std::vector<double> contact_residuals(const ContactProblem& problem, const Vector& z, FrictionModel model) {
-  const IslandRows islands(row_islands(problem));
-  ContactEvaluation evaluation(problem, islands);
-  const QuadVector point = numbers(z);
-  if (!evaluation.lcp) return std::vector<double>(problem.edges.size(), Errors::kNone);
-  const QuadVector u = evaluation.lcp->response(point), w = evaluation.lcp->all_rows(point, u);
-  if (!all_finite(w)) return std::vector<double>(problem.edges.size(), Errors::kNone);
-  const ConeFriction friction(problem, *evaluation.lcp);
-  const ContactLayout& layout = evaluation.lcp->layout();
-  std::vector<double> residuals;
-  for (Index contact = 0; contact < problem.nc(); ++contact) {
-    const auto c = static_cast<std::size_t>(contact);
-    Quad worst = 0;
-    const auto take_row = [&](Index row) {
-      worst = larger(worst, evaluation.row_residual(static_cast<std::size_t>(row), point, w));
-    };
-    const bool slides = friction.has_friction(contact);
-    if (slides && model == FrictionModel::kConvex) {
-      worst = friction.convex_residual(contact, point, u);
-    } else {
-      take_row(contact);
-    }
-    if (slides && model == FrictionModel::kCone) worst = larger(worst, friction.residual(contact, point, u));
-    if (slides && model == FrictionModel::kPyramid) {
-      for (Index j = layout.friction_begin[c]; j < layout.friction_begin[c + 1]; ++j) {
-        take_row(layout.friction_offset() + j);
-      }
-      take_row(layout.lambda_offset() + layout.lambda[c]);
-    }
-    residuals.push_back(to_double(worst));
-  }
+  std::vector<double> none(problem.edges.size(), Errors::kNone);
+  ContactResidual contacts(problem);
+  if (!contacts.lcp || (model != FrictionModel::kPyramid && problem.frictional() && !contacts.cone)) return none;
+  const ContactResidual::Point point = contacts.at(z);
+  if (!point.is_finite()) return none;
+  std::vector<double> residuals(problem.edges.size(), 0);
+  contacts.for_each_row(model, point, [&](Index row, Quad residual) {
+    double& worst = residuals[static_cast<std::size_t>(contacts.lcp->contact_of(row))];
+    worst = std::max(worst, to_double(residual));
+  });
   return residuals;
 }
 

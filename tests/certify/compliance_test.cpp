@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/answer/farkas.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/registry.h"
@@ -17,7 +18,6 @@
 #include "generators/changed.h"
 #include "generators/sets.h"
 #include "study/certify/certificate.h"
-#include "study/evaluation/farkas.h"
 #include "tests/certify/checked_proofs.h"
 #include "tests/certify/natives.h"
 #include "tests/support/evaluation_cases.h"

@@ -1,5 +1,5 @@
 // Factors in double with residuals in 113 bits give the solutions of a factorization in 113 bits.
-#include "study/evaluation/refined_inertia.h"
+#include "core/answer/refined_inertia.h"
 
 #include <Eigen/QR>
 #include <cmath>
@@ -172,6 +172,17 @@ TEST(RefinedInertiaTest, MeasuresOutliveTheRangeOfADouble) {
   EXPECT_TRUE(Evaluator(Problem("lightest", lightest)).errors(wrong).solved);
   wrong.velocity = vec({1e100, 1});
   EXPECT_FALSE(Evaluator(Problem("lightest", lightest)).errors(wrong).solved);
+}
+
+// M_ii = 2e400 is in the scale of a returned velocity.
+TEST(RefinedInertiaTest, ADiagonalEntryBeyondDoubleExcusesNoVelocity) {
+  const ContactProblem contact =
+      frictionless(vec({1e200, 2e200}), Matrix{{0, 1e200}, {0, -1e200}}, DenseInertia{Matrix::Identity(2, 2)});
+  Answer given = answer(vec({0, 0.5}));
+  for (const double off : {0.0, 1e196, 1e199}) {
+    given.velocity = vec({1.5e200 + off, 1.5e200});
+    EXPECT_EQ(Evaluator(Problem("two that overflow", contact)).errors(given).solved, off < 1e197) << off;
+  }
 }
 
 }  // namespace

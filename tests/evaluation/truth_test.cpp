@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "study/evaluation/farkas.h"
+#include "core/answer/farkas.h"
 #include "tests/support/evaluation_cases.h"
 
 namespace lcpbench::truth_test {

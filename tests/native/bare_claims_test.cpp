@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/answer/exact_sum.h"
 #include "core/registry.h"
 #include "core/spec.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "native/lcp_ladder/covering_lemke.h"
-#include "native/proofs/exact_sum.h"
 #include "native/proofs/farkas_search.h"
 #include "study/evaluation/evaluation.h"
 

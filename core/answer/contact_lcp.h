@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/answer/refined_inertia.h"
 #include "core/compliance.h"
-#include "study/evaluation/refined_inertia.h"
 
 namespace lcpbench {
 
@@ -40,6 +40,12 @@ class ContactLcp {
   std::size_t impulses() const { return begin_.size() - 1; }
   std::size_t contacts() const { return contacts_; }
   const QuadVector& velocity_before() const { return v_; }
+  /// The contact to which row i belongs.
+  Index contact_of(Index i) const {
+    if (i >= layout_.lambda_offset())
+      return layout_.cone_contact[static_cast<std::size_t>(i - layout_.lambda_offset())];
+    return i < layout_.nc ? i : contact_of_[static_cast<std::size_t>(i - layout_.nc)];
+  }
   /// The normal row of the contact to which cone row i belongs.
   std::size_t normal_of_cone(std::size_t i) const {
     return static_cast<std::size_t>(layout_.cone_contact[i - impulses()]);
@@ -53,8 +59,9 @@ class ContactLcp {
   QuadVector generalized_impulse(const QuadVector& z) const;
   /// |J| |f|, entry by entry: the scale of rounding in J f.
   QuadVector generalized_impulse_scale(const QuadVector& z) const;
-  /// max(max |q_i|, floor / 1e-4) over the rows of an island: see Errors::velocity_residual_relative.
-  Quad scale(std::span<const std::size_t> rows) const;
+  /// max(max |q_i|, floor / bound) over the rows of an island. floor is the largest error of forming a q_i in double,
+  /// (k_i + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074) with k_i nonzero entries in J_i and b_i.
+  Quad scale(std::span<const std::size_t> rows, double bound) const;
   /// J_i' x.
   Quad project(std::size_t i, const QuadVector& x) const;
 

@@ -1,4 +1,4 @@
-#include "study/evaluation/refined_inertia.h"
+#include "core/answer/refined_inertia.h"
 
 #include <algorithm>
 #include <cmath>
@@ -299,6 +299,12 @@ Quad RefinedInertia::energy(std::span<const std::size_t> rows, const double* ent
     double sum = 0;
     for (std::size_t e = 0; e < rows.size(); ++e) sum += entries[e] * rough_[rows[e]];
     energy = sum;
+    if (std::isfinite(sum)) return energy;
+    energy = 0;  // beyond the range of double
+    QuadVector x(rough_.size(), 0);
+    for (std::size_t e = 0; e < rows.size(); ++e) x[rows[e]] = entries[e];
+    solve(x);
+    for (std::size_t e = 0; e < rows.size(); ++e) energy += entries[e] * x[rows[e]];
   } else {
     solve_precisely(rows, entries);
     for (std::size_t e = 0; e < rows.size(); ++e) energy += entries[e] * wide_[rows[e]];

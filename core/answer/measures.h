@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "core/quad_matrix.h"
@@ -12,6 +13,8 @@ namespace lcpbench {
 
 inline Quad larger(Quad a, Quad b) { return a < b ? b : a; }
 inline Quad smaller(Quad a, Quad b) { return b < a ? b : a; }
+
+inline Quad finite_or_infinity(Quad x) { return is_finite(x) ? x : Quad{HUGE_VAL}; }
 
 inline QuadVector numbers(const Vector& x) { return {x.begin(), x.end()}; }
 
@@ -47,5 +50,14 @@ inline bool all_finite(const QuadVector& x) {
 
 // Whether one is 0 and the other at least 0.
 inline bool is_complementary(Quad a, Quad b) { return (a == 0 && b >= 0) || (b == 0 && a > 0); }
+
+// Rows of which one is 0 and the other at least 0 are left out.
+inline Quad complementarity(const QuadVector& z, const QuadVector& w) {
+  Quad sum = 0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    if (!is_complementary(z[i], w[i])) sum += z[i] * w[i];
+  }
+  return sum;
+}
 
 }  // namespace lcpbench

@@ -1,10 +1,9 @@
-#include "study/evaluation/contact_lcp.h"
+#include "core/answer/contact_lcp.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "study/evaluation/evaluation.h"
-#include "study/evaluation/measures.h"
+#include "core/answer/measures.h"
 
 namespace lcpbench {
 namespace {
@@ -166,7 +165,7 @@ std::pair<Number, Number> ContactLcp::formed(std::size_t i) const {
 }
 
 /// The largest q_i is looked for in double, and all are formed in 113 bits where rounding may matter.
-Quad ContactLcp::scale(std::span<const std::size_t> rows) const {
+Quad ContactLcp::scale(std::span<const std::size_t> rows, double bound) const {
   double in_double = 0, error = 0;
   std::size_t largest = 0;
   Quad of_q = 0, floor = 0;
@@ -188,7 +187,7 @@ Quad ContactLcp::scale(std::span<const std::size_t> rows) const {
     of_q = larger(of_q, magnitude);
     floor = larger(floor, rounding);
   });
-  return larger(of_q, floor / kSolvedVelocityResidual);
+  return larger(of_q, floor / bound);
 }
 
 bool ContactLcp::at_rest(const QuadVector& z) const {

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/answer/cone_friction.h"
+#include "core/answer/contact_lcp.h"
+#include "core/answer/island_rows.h"
+#include "core/answer/measures.h"
+#include "core/answer/refined_inertia.h"
+#include "core/friction_model.h"
+
+namespace lcpbench {
+
+/// The verdict's bound on rho: an error that forming q in double can make passes by itself.
+inline constexpr double kLargestRho = 1e-4;
+
+/// What an answer to a contact problem leaves of its conditions, from the data alone, in 113 bits. Everybody who judges
+/// answers to contacts asks here: docs/explanation/verdicts.md has the formulas.
+class ContactResidual {
+ public:
+  /// z, the velocity u = v + G* J f that its impulses lead to, and w = M z + q.
+  struct Point {
+    QuadVector z, u, w;
+    bool is_finite() const { return all_finite(w) && all_finite(u); }
+  };
+
+  /// The largest residual of all rows, and the row whose residual is largest relative to the scale of its island.
+  struct Worst {
+    Quad residual = 0;  ///< of all rows [m/s]
+    Quad relative = 0;  ///< rho
+    Index row = -1;     ///< -1: no row is violated
+    Quad of_row = 0;    ///< its residual
+    Quad scale = 0;     ///< that of its island
+  };
+
+  /// @param contact  finite, must outlive this object
+  explicit ContactResidual(const ContactProblem& contact);
+
+  /// @pre lcp @param z  finite, of the right length
+  Point at(const Vector& z) const;
+
+  /// The residual of each row that the model has: of the pyramid all, else the normal rows, and in place of each cone
+  /// row the residual of the cone. Of the convex model a contact with friction has no normal row.
+  /// @pre lcp; cone unless the model is the pyramid
+  template <class Visit>
+  void for_each_row(FrictionModel model, const Point& point, Visit&& visit);
+  Worst worst(FrictionModel model, const Point& point);
+
+  /// rho of z by the pyramid; infinity where 113 bits do not tell what G* is.
+  double rho(const Vector& z);
+
+  /// scale_I of each island: max(max|q_i|, floor / 1e-4) over its rows. Computed at the first call.
+  const QuadVector& scales();
+
+  const ContactProblem& problem;
+  RefinedInertia inertia;
+  std::optional<ContactLcp> lcp;     ///< none where no G* can be made of the data
+  std::optional<ConeFriction> cone;  ///< none without friction, or if its directions name no round cone
+
+ private:
+  Quad pyramid_row(std::size_t row, const Point& point);
+
+  RowIslands islands_;
+  IslandRows rows_;
+  QuadVector scales_;
+};
+
+template <class Visit>
+void ContactResidual::for_each_row(FrictionModel model, const Point& point, Visit&& visit) {
+  if (model == FrictionModel::kPyramid) {
+    for (std::size_t row = 0; row < lcp->size(); ++row) visit(static_cast<Index>(row), pyramid_row(row, point));
+    return;
+  }
+  const ContactLayout& layout = lcp->layout();
+  const bool convex = model == FrictionModel::kConvex;
+  for (Index contact = 0; contact < layout.nc; ++contact) {
+    const auto row = static_cast<std::size_t>(contact);
+    const bool slides = cone && cone->has_friction(contact);
+    if (!slides || !convex) visit(contact, pyramid_row(row, point));
+    if (!slides) continue;
+    visit(layout.lambda_offset() + layout.lambda[row],
+          convex ? cone->convex_residual(contact, point.z, point.u) : cone->residual(contact, point.z, point.u));
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,106 @@
+#include "core/answer/farkas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "core/answer/exact_sum.h"
+#include "core/entries.h"
+
+namespace lcpbench {
+namespace {
+
+bool is_nonnegative(const Vector& u) {
+  return std::all_of(u.begin(), u.end(), [](double value) { return value >= 0 && std::isfinite(value); });
+}
+
+/// Adds sign * u'(N'v + b). @param sign  1 or -1
+void add_velocity(const ContactProblem& problem, const Vector& u, double sign, ExactSum& sum) {
+  for (Index c = 0; c < u.size(); ++c) {
+    if (u(c) == 0) continue;
+    for_each_entry(problem.N, c, [&](Index row, double entry) { sum.add(sign * u(c), entry, problem.v(row)); });
+    sum.add(sign * u(c), problem.offset(c));
+  }
+}
+
+/// The terms N_ik u_k of each coordinate of N u that is not zero; none of those that are.
+std::vector<std::vector<std::pair<double, double>>> moved(const ContactProblem& problem, const Vector& u) {
+  std::vector<std::vector<std::pair<double, double>>> terms(static_cast<std::size_t>(problem.ngc()));
+  for (Index c = 0; c < u.size(); ++c) {
+    if (u(c) == 0) continue;
+    for_each_entry(problem.N, c,
+                   [&](Index i, double entry) { terms[static_cast<std::size_t>(i)].emplace_back(entry, u(c)); });
+  }
+  ExactSum sum;
+  for (auto& of_coordinate : terms) {
+    sum.clear();
+    for (const auto& [entry, weight] : of_coordinate) sum.add(entry, weight);
+    if (sum.sign() == 0) of_coordinate.clear();
+  }
+  return terms;
+}
+
+bool is_in_null_space(const ContactProblem& problem, const Vector& u) {
+  const auto terms = moved(problem, u);
+  const auto* factors = std::get_if<FactoredInertia>(&problem.inertia);
+  bool holds = factors == nullptr || factors->alpha.allFinite();
+  ExactSum sum;
+  for_each_matrix(problem.inertia, [&](const Matrix& A, Index first) {
+    holds = holds && A.allFinite();
+    for (Index k = 0; k < A.cols() && holds; ++k) {
+      if (factors != nullptr && factors->alpha(k) == 0) continue;
+      sum.clear();
+      for (Index i = 0; i < A.rows(); ++i) {
+        if (A(i, k) == 0) continue;
+        for (const auto& [entry, weight] : terms[static_cast<std::size_t>(first + i)]) sum.add(A(i, k), entry, weight);
+      }
+      holds = sum.sign() == 0;
+    }
+  });
+  return holds;
+}
+
+}  // namespace
+
+bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
+  if (u.size() != problem.nc() || !is_nonnegative(u) || !all_finite(problem.N) || !problem.v.allFinite()) return false;
+  if (!problem.b.allFinite()) return false;
+  // The impulse of a contact with compliance raises its own w_N: a proof must not count on such a contact.
+  if (problem.compliance_n.size() > 0 && (problem.compliance_n.array() != 0 && u.array() != 0).any()) return false;
+  ExactSum sum;
+  add_velocity(problem, u, 1, sum);
+  return sum.sign() < 0 && is_in_null_space(problem, u);
+}
+
+bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
+  if (lcp.is_mixed() || u.size() != lcp.size() || !is_nonnegative(u)) return false;
+  if (!lcp.M.allFinite() || !lcp.q.allFinite()) return false;
+  ExactSum sum;
+  const auto sign = [&](const auto& column) {
+    sum.clear();
+    for (Index i = 0; i < u.size(); ++i) {
+      if (u(i) != 0 && column(i) != 0) sum.add(column(i), u(i));
+    }
+    return sum.sign();
+  };
+  if (sign(lcp.q) >= 0) return false;
+  for (Index j = 0; j < u.size(); ++j) {
+    if (sign(lcp.M.col(j)) > 0) return false;
+  }
+  return true;
+}
+
+double least_violation(const ContactProblem& problem, const Vector& u) {
+  ExactSum missing, total;
+  add_velocity(problem, u, -1, missing);
+  for (const double weight : u) total.add(weight, 1);
+  if (total.sign() <= 0) return std::numeric_limits<double>::quiet_NaN();
+  const double nearest = to_double(missing.value() / total.value());
+  if (!std::isfinite(nearest)) return std::numeric_limits<double>::max();
+  for (const double weight : u) missing.add(-nearest, weight);
+  return missing.sign() < 0 ? std::nextafter(nearest, 0) : nearest;
+}
+
+}  // namespace lcpbench
