@@ -21,9 +21,12 @@ const RegisteredSolver& find_solver(const std::string& name) {
 }
 
 std::unique_ptr<Solver> make_solver(const Spec& spec) {
-  const SolverDefinition& definition = find_solver(spec.name).definition;
+  const RegisteredSolver& registered = find_solver(spec.name);
+  const SolverDefinition& definition = registered.definition;
   if (definition.make == nullptr) throw InputError("solver '" + spec.name + "' runs in a worker process only");
-  return definition.make(spec.options);
+  std::unique_ptr<Solver> solver = definition.make(spec.options);
+  if (registered.native()) solver->require_proofs();
+  return solver;
 }
 
 Spec canonical_solver_spec(const Spec& spec) {

@@ -7,6 +7,9 @@
 #include <utility>
 #include <variant>
 
+#include "core/answer/farkas.h"
+#include "core/answer/lcp_error.h"
+#include "core/answer/limits.h"
 #include "core/compliance.h"
 #include "core/error.h"
 #include "core/mixed_lcp.h"
@@ -174,9 +177,20 @@ void Answer::clear() {
   detail.clear();
 }
 
+namespace {
+
+/// Its memory only grows: load() of some solvers allocates nothing for what they have had room for.
+void keep(const Vector& v, Vector& kept) {
+  if (kept.size() < v.size()) kept.resize(v.size());
+  kept.head(v.size()) = v;
+}
+
+}  // namespace
+
 /// The one place where soft contacts are made rigid, and mixed LCPs are reduced, for solvers that know no others.
 void Solver::take(const Problem& problem, bool is_finite) {
   problem_ = problem;
+  if (requires_proofs_ && problem.contact() != nullptr) keep(problem.contact()->v, v_);
   is_equivalent_ = false;
   reduction_.reset();
   refusal_ = why_not(capabilities(), problem, is_finite);
@@ -207,9 +221,8 @@ void Solver::return_to_given(Answer& answer) {
 
 /// A claim stands as far as it is the solver's own: not where rounding in the reduction is what made it false.
 void Solver::return_to_mixed(Answer& answer) const {
-  constexpr double kSolved = 1e-6;  // the verdict's bound
   const auto error_of = [](const Lcp& lcp, const Vector& z) {
-    return mixed_error(lcp, std::vector<double>(z.begin(), z.end())).backward;
+    return lcp_error(lcp, std::vector<double>(z.begin(), z.end())).backward;
   };
   if (answer.claim == Claim::kUnsolvable && !reduction_->is_exact()) {
     answer.claim = Claim::kNumericalFailure;
@@ -218,15 +231,23 @@ void Solver::return_to_mixed(Answer& answer) const {
   answer.farkas.resize(0);  // of another problem
   if (answer.z.size() != problem_.size()) return;
   const Vector z = reduction_->restore(answer.z);
-  if (answer.claim == Claim::kSolved && !(error_of(given_.lcp(), z) <= kSolved)) {
+  if (answer.claim == Claim::kSolved && !(error_of(given_.lcp(), z) <= kSolvedBackwardError)) {
     Lcp reduced = reduction_->lcp();
     reduced.bounds = LcpBounds::nonnegative(reduced.size());
-    if (error_of(reduced, answer.z) <= kSolved) {
+    if (error_of(reduced, answer.z) <= kSolvedBackwardError) {
       answer.claim = Claim::kNumericalFailure;
       answer.detail = "solves the reduced problem, but not the mixed one";
     }
   }
   answer.z = z;
+}
+
+void Solver::withdraw_unproven(Answer& answer) const {
+  if (answer.farkas.size() == 0) return;
+  const ContactProblem* contact = (is_equivalent_ ? given_ : problem_).contact();
+  const bool is_proven = contact != nullptr ? proves_unsolvable(*contact, v_.head(contact->ngc()), answer.farkas)
+                                            : proves_unsolvable(problem_.lcp(), answer.farkas);
+  if (!is_proven) answer.claim = Claim::kNumericalFailure;
 }
 
 void Solver::load(const Problem& problem) {
@@ -244,6 +265,7 @@ void Solver::update(const Vector& v) {
   if (contact == nullptr || v.size() != (is_equivalent_ ? given_.contact()->ngc() : contact->ngc())) {
     throw std::invalid_argument("update(v): needs a loaded contact problem and v of its ngc entries");
   }
+  if (requires_proofs_) keep(v, v_);
   if (!is_equivalent_) return on_update(v);
   Vector all = contact->v;
   all.head(v.size()) = v;
@@ -278,8 +300,9 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.z.setZero();
   on_solve(reduction_ ? SolveRequest{.time_limit_s = request.time_limit_s} : request, answer);
   if (is_equivalent_) return_to_given(answer);
-  if (reduction_) return_to_mixed(answer);
   if (answer.claim != Claim::kUnsolvable) answer.farkas.resize(0);  // of a part, or of a method whose turn is over
+  if (requires_proofs_ && answer.claim == Claim::kUnsolvable) withdraw_unproven(answer);
+  if (reduction_) return_to_mixed(answer);
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
   if (answer.claim != Claim::kUnsupported) return;
   for (AnswerVector* vector : {&answer.z, &answer.velocity, &answer.farkas}) vector->resize(0);

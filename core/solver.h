@@ -83,7 +83,7 @@ struct Answer {
   Claim claim = Claim::kNumericalFailure;
   AnswerVector z;         ///< size(problem) entries, or empty when the solver has nothing to show
   AnswerVector velocity;  ///< ngc entries when the solver returns v+ itself, else empty
-  AnswerVector farkas;    ///< a proof of unsolvability (see evaluation), else empty
+  AnswerVector farkas;  ///< of kUnsolvable a proof (core/answer/farkas.h); of a failure one but for rounding, or empty
   Counters counters;
   Impulses impulses = Impulses::kUnstated;
   std::string detail;  ///< one line, foreign status codes spelled out; may be empty
@@ -161,6 +161,10 @@ class Solver {
 
   virtual const Capabilities& capabilities() const = 0;
 
+  /// From now on a claim of kUnsolvable whose `farkas` does not prove it exactly becomes a failure. The vector stays: the
+  /// problem has hardly a solution, which `certify` settles.
+  void require_proofs() { requires_proofs_ = true; }
+
  protected:
   virtual void on_load(const Problem& problem) = 0;
   virtual void on_update(const Vector& v);
@@ -173,10 +177,13 @@ class Solver {
   void take(const Problem& problem, bool is_finite);
   void return_to_given(Answer& answer);
   void return_to_mixed(Answer& answer) const;
+  void withdraw_unproven(Answer& answer) const;
 
   Problem problem_;  ///< what this solver sees of the one that was given
   Problem given_;    ///< the one that was given, where problem_ is its rigid equivalent or its reduction
   bool is_equivalent_ = false;
+  bool requires_proofs_ = false;
+  Vector v_;                                       ///< of contacts, the velocity before the impact now
   std::shared_ptr<const LcpReduction> reduction_;  ///< of a mixed LCP
   AnswerVector other_velocity_;  ///< room for the velocity of problem_ or given_, whichever the answer does not hold
   std::string refusal_ = "nothing was loaded";

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "core/answer/limits.h"
 
 namespace lcpbench {
 
@@ -21,7 +22,7 @@ ContactResidual::Point ContactResidual::at(const Vector& z) const {
 
 const QuadVector& ContactResidual::scales() {
   for (std::size_t k = scales_.size(); k < rows_.count(); ++k) {
-    scales_.push_back(lcp->scale(rows_.rows(k), kLargestRho));
+    scales_.push_back(lcp->scale(rows_.rows(k), kSolvedVelocityResidual));
   }
   return scales_;
 }
@@ -59,13 +60,10 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
   return worst;
 }
 
-double ContactResidual::rho(const Vector& z) {
-  constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  if (!lcp) return kUnknown;
-  const Point point = at(z);
-  if (!point.is_finite()) return kUnknown;
-  const double rho = to_double(worst(FrictionModel::kPyramid, point).relative);
-  return inertia.well_defined() ? rho : kUnknown;
+double ContactResidual::rho(const Point& point) {
+  const bool is_known = point.is_finite();
+  const double rho = is_known ? to_double(worst(FrictionModel::kPyramid, point).relative) : 0;
+  return is_known && inertia.well_defined() ? rho : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace lcpbench

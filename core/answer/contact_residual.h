@@ -13,9 +13,6 @@
 
 namespace lcpbench {
 
-/// The verdict's bound on rho: an error that forming q in double can make passes by itself.
-inline constexpr double kLargestRho = 1e-4;
-
 /// What an answer to a contact problem leaves of its conditions, from the data alone, in 113 bits. Everybody who judges
 /// answers to contacts asks here: docs/explanation/verdicts.md has the formulas.
 class ContactResidual {
@@ -48,8 +45,8 @@ class ContactResidual {
   void for_each_row(FrictionModel model, const Point& point, Visit&& visit);
   Worst worst(FrictionModel model, const Point& point);
 
-  /// rho of z by the pyramid; infinity where 113 bits do not tell what G* is.
-  double rho(const Vector& z);
+  /// rho by the pyramid; infinity where 113 bits do not tell what G* is.
+  double rho(const Point& point);
 
   /// scale_I of each island: max(max|q_i|, floor / 1e-4) over its rows. Computed at the first call.
   const QuadVector& scales();

@@ -17,10 +17,10 @@ bool is_nonnegative(const Vector& u) {
 }
 
 /// Adds sign * u'(N'v + b). @param sign  1 or -1
-void add_velocity(const ContactProblem& problem, const Vector& u, double sign, ExactSum& sum) {
+void add_velocity(const ContactProblem& problem, const Vector& v, const Vector& u, double sign, ExactSum& sum) {
   for (Index c = 0; c < u.size(); ++c) {
     if (u(c) == 0) continue;
-    for_each_entry(problem.N, c, [&](Index row, double entry) { sum.add(sign * u(c), entry, problem.v(row)); });
+    for_each_entry(problem.N, c, [&](Index row, double entry) { sum.add(sign * u(c), entry, v(row)); });
     sum.add(sign * u(c), problem.offset(c));
   }
 }
@@ -64,13 +64,13 @@ bool is_in_null_space(const ContactProblem& problem, const Vector& u) {
 
 }  // namespace
 
-bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
-  if (u.size() != problem.nc() || !is_nonnegative(u) || !all_finite(problem.N) || !problem.v.allFinite()) return false;
+bool proves_unsolvable(const ContactProblem& problem, const Vector& v, const Vector& u) {
+  if (u.size() != problem.nc() || !is_nonnegative(u) || !all_finite(problem.N) || !v.allFinite()) return false;
   if (!problem.b.allFinite()) return false;
   // The impulse of a contact with compliance raises its own w_N: a proof must not count on such a contact.
   if (problem.compliance_n.size() > 0 && (problem.compliance_n.array() != 0 && u.array() != 0).any()) return false;
   ExactSum sum;
-  add_velocity(problem, u, 1, sum);
+  add_velocity(problem, v, u, 1, sum);
   return sum.sign() < 0 && is_in_null_space(problem, u);
 }
 
@@ -94,7 +94,7 @@ bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
 
 double least_violation(const ContactProblem& problem, const Vector& u) {
   ExactSum missing, total;
-  add_velocity(problem, u, -1, missing);
+  add_velocity(problem, problem.v, u, -1, missing);
   for (const double weight : u) total.add(weight, 1);
   if (total.sign() <= 0) return std::numeric_limits<double>::quiet_NaN();
   const double nearest = to_double(missing.value() / total.value());

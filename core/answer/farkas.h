@@ -14,7 +14,11 @@ namespace lcpbench {
 /// w_N >= 0. In the null space if X'N u = 0 for an inertia by factors, G N u = 0 for a given G, or G* N u = 0 where
 /// only G* is known. O(nnz(N)) exact products, and as many more for each column of an inertia, or block, that N u
 /// meets.
-bool proves_unsolvable(const ContactProblem& problem, const Vector& u);
+/// @param v  in place of the velocity before the impact
+bool proves_unsolvable(const ContactProblem& problem, const Vector& v, const Vector& u);
+inline bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
+  return proves_unsolvable(problem, problem.v, u);
+}
 
 /// Whether u (n) proves that the LCP has no solution: u >= 0, M'u <= 0 and q'u < 0, so that no z >= 0 has M z + q >= 0.
 /// False for a mixed LCP. O(n^2) exact products.

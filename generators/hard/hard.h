@@ -28,7 +28,7 @@ struct HardTruth {
   std::vector<double> z;         ///< a solution; empty if no formula gives one, or doubles cannot hold it
   bool exact = true;             ///< z solves the problem without any rounding; else each entry is within a few ulps
   std::vector<double> velocity{};  ///< v+ of that solution; contact problems with an exact z only, may be empty
-  std::vector<double> farkas{};    ///< a proof that there is no solution, exact; see study/evaluation/farkas.h
+  std::vector<double> farkas{};    ///< a proof that there is no solution, exact; see core/answer/farkas.h
 };
 
 /// One problem in plain arrays.

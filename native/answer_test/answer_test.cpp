@@ -101,7 +101,6 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
   answer.detail = bare_ ? "proven" : "ray to rounding";
-  if (bare_ && bare_test_.proof().size() == 0) return;  // by exact enumeration of all supports
   if (bare_) {
     answer.farkas = bare_test_.proof();
   } else {

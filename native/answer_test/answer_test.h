@@ -43,12 +43,11 @@ class AnswerTest {
   /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so do friction of
   /// contacts that do not press and impulses of islands at rest; lambda is the least that the friction impulses allow.
   /// If that solves the problem it is the answer. If not, z stays and the claim becomes kNumericalFailure (`detail`
-  /// "residual" or "unconfirmed"), kTimeLimit where the deadline came first, or kUnsolvable where exact arithmetic
-  /// proves that there is no solution: of bare LCPs with `farkas` or because every support was tried, of contacts with
-  /// `farkas`, rounded. Of contact problems the velocity residual with its estimated rounding has to be within
-  /// kClaimedResidual of max|q| in double, or within what the verdict allows in 113 bits; of bare LCPs the backward
-  /// error within kClaimedBackwardError. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Only exact
-  /// arithmetic allocates. A velocity is not tested.
+  /// "residual" or "unconfirmed"), kTimeLimit where the deadline came first, or kUnsolvable where `farkas`
+  /// shows that there is no solution: of bare LCPs exactly, of contacts in 113 bits. Of contact problems the velocity
+  /// residual with its estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the
+  /// verdict allows in 113 bits; of bare LCPs the backward error within kClaimedBackwardError. O(ngc n); in 113 bits,
+  /// where double is in doubt, O(ngc^3). Only a proof for contacts allocates. A velocity is not tested.
   ///
   /// With singular inertia contacts may miss a solution by little: there the residual has to be at most kSureResidual.
   /// An answer with more is "unconfirmed", unless the problem is proven to have no solution (ContactFarkas).

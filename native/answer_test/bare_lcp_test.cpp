@@ -27,9 +27,6 @@ constexpr double kSlack = 1e-6;
 /// Orders up to which a basis is inverted to see whether it gives a solution.
 constexpr Index kLargestInverted = 32;
 
-/// Systems of equations that are tried before a small problem is left undecided: all of nondegenerate ones.
-constexpr std::int64_t kMostSystems = 10000;
-
 }  // namespace
 
 void BareLcpTest::load(const Lcp& lcp) {
@@ -100,55 +97,29 @@ void BareLcpTest::find_basis(const Vector& z) {
 }
 
 bool BareLcpTest::disproves(const Vector& answer, double deadline_s) {
-  by_exhaustion_ = false;
   find_basis(answer);
   const Vector& z = basis_;
   if (has_clear_basis(z)) return false;
   const Index n = z.size();
-  bool is_solution = true;
   bool is_feasible = true;
-  const bool small = n <= kLargestDecided;
   for (Index i = 0; i < n && is_feasible; ++i) {
     const double rounding = static_cast<double>(2 * n + 2) * kUnitRoundoff * scale(i);
-    if (w_(i) > rounding && !(z(i) > 0)) continue;
-    if (w_(i) > rounding && !small) continue;
-    const int sign = sign_of_w(i, z);
-    is_feasible = sign >= 0;
-    is_solution = is_solution && (sign == 0 || (sign > 0 && !(z(i) > 0)));
+    is_feasible = w_(i) > rounding || sign_of_w(i, z) >= 0;
   }
-  if (!is_feasible) {
-    for (Index i = 0; i < n; ++i) {
-      candidates_[static_cast<std::size_t>(i)] = w_(i) > kSlack * scale(i) ? char{0} : char{1};
-    }
-    if (search_.find(candidates_, deadline_s)) return true;
-  }
-  if (!small || (is_solution && is_feasible)) return false;
-  exact_.load(*lcp_);
-  support_.clear();
+  if (is_feasible) return false;
   for (Index i = 0; i < n; ++i) {
-    if (z(i) > 0) support_.push_back(i);
+    candidates_[static_cast<std::size_t>(i)] = w_(i) > kSlack * scale(i) ? char{0} : char{1};
   }
-  if (exact_.solves_with(support_)) return false;
-  return exhausts(deadline_s);
+  return search_.find(candidates_, deadline_s);
 }
 
 bool BareLcpTest::disproves(double deadline_s) {
-  by_exhaustion_ = false;
   std::fill(candidates_.begin(), candidates_.end(), char{1});
-  if (search_.find(candidates_, deadline_s)) return true;
-  if (lcp_->size() > kLargestDecided) return false;
-  exact_.load(*lcp_);
-  return exhausts(deadline_s);
+  return search_.find(candidates_, deadline_s);
 }
 
 bool BareLcpTest::disproves_near(const Vector& u, double deadline_s) {
-  by_exhaustion_ = false;
   return search_.round(u) || disproves(deadline_s);
-}
-
-bool BareLcpTest::exhausts(double deadline_s) {
-  by_exhaustion_ = exact_.run(deadline_s, kMostSystems) == ExactSearch::End::kNone;
-  return by_exhaustion_;
 }
 
 /// Exactly.

@@ -5,7 +5,6 @@
 #include "core/islands.h"
 #include "core/lcp.h"
 #include "core/quad.h"
-#include "native/proofs/exact_search.h"
 #include "native/proofs/farkas_search.h"
 
 namespace lcpbench {
@@ -18,9 +17,6 @@ inline constexpr double kClaimedBackwardError = 1e-9;
 /// the latter is asked for.
 class BareLcpTest {
  public:
-  /// Up to this order a problem that an answer solves only by rounding is decided in exact arithmetic.
-  static constexpr Index kLargestDecided = 8;
-
   /// @param lcp must stay as it is until the next load. O(n^2)
   void load(const Lcp& lcp);
 
@@ -29,10 +25,10 @@ class BareLcpTest {
   /// O(n^2), allocates nothing.
   double backward_error(const Vector& z);
 
-  /// Whether the problem that the z of the last backward_error(), though small, seems to solve is proven exactly to
-  /// have no solution. Asked for only where z, with zeros where w does not vanish, is no solution exactly, and its basis
-  /// does not clearly give one: by a vector u >= 0 with M'u <= 0 and q'u < 0 in doubles, or, up to kLargestDecided, by
-  /// trying every support. What is not proven may still be unsolvable. Allocates only to try supports.
+  /// Whether the problem that the z of the last backward_error() seems to solve is proven exactly to have no solution,
+  /// by a vector u >= 0 with M'u <= 0 and q'u < 0 in doubles. Asked for only where z, with zeros where w does not
+  /// vanish, violates w >= 0 exactly, and its basis does not clearly give a solution. What is not proven may still be
+  /// unsolvable. Allocates nothing.
   /// @param deadline_s on wall_clock_s()
   bool disproves(const Vector& answer, double deadline_s);
 
@@ -45,8 +41,8 @@ class BareLcpTest {
   /// Whether the last disproves(), though false, found what proves it but for rounding.
   bool nearly_disproved() const { return search_.found_near_proof(); }
 
-  /// That u, n entries; empty where every support was tried. @pre the last disproves() was true
-  const Vector& proof() const { return by_exhaustion_ ? nothing_ : search_.proof(); }
+  /// That u, n entries. @pre the last disproves() was true
+  const Vector& proof() const { return search_.proof(); }
 
  private:
   void find_largest(const Vector& z);
@@ -60,7 +56,6 @@ class BareLcpTest {
   void find_basis(const Vector& z);
   bool has_clear_basis(const Vector& z);
   int sign_of_w(Index row, const Vector& z) const;
-  bool exhausts(double deadline_s);
 
   const Lcp* lcp_ = nullptr;
   RowIslands islands_;
@@ -69,9 +64,6 @@ class BareLcpTest {
   std::vector<Index> support_;    // n reserved; scratch of load()
   std::vector<char> candidates_;  // n
   FarkasSearch search_;
-  ExactSearch exact_;
-  bool by_exhaustion_ = false;
-  Vector nothing_;
 };
 
 }  // namespace lcpbench

@@ -163,14 +163,13 @@ void LcpLadder::run_covering(Stage stage) {
 }
 
 void LcpLadder::run_exact(Stage /*stage*/) {
-  using End = ExactSearch::End;
-  exact_.load(problem_.lcp());
+  using End = SupportSearch::End;
+  supports_.load(problem_.lcp());
   attempt_.clear();
-  const End end = exact_.run(deadline_s_, kMostSystems);
-  if (end == End::kNone) attempt_.claim = Claim::kUnsolvable;
+  const End end = supports_.run(deadline_s_, kMostSystems);
   if (end == End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
   if (end != End::kFound) return;
-  attempt_.z = exact_.z();
+  attempt_.z = supports_.z();
   attempt_.claim = Claim::kSolved;
   lemke_.answer_test().settle(attempt_, deadline_s_);
 }
@@ -185,8 +184,6 @@ bool LcpLadder::is_final(Stage stage, Answer& answer, const char*& text) {
   }
   if (attempt_.claim == Claim::kUnsolvable) {
     answer.claim = Claim::kUnsolvable;
-    text = "proven: every support of z is ruled out";
-    if (attempt_.farkas.size() == 0) return true;
     answer.farkas = attempt_.farkas;
     text = "proven by u >= 0 with M'u <= 0, q'u < 0";
     return true;

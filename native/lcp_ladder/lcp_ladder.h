@@ -5,7 +5,7 @@
 #include "native/lcp_ladder/covering_lemke.h"
 #include "native/lcp_ladder/sparse_pivoting.h"
 #include "native/lemke/lemke.h"
-#include "native/proofs/exact_search.h"
+#include "native/proofs/support_search.h"
 
 namespace lcpbench {
 
@@ -19,7 +19,7 @@ namespace lcpbench {
 /// - if n <= 40, `lemke` with tolerances near rounding;
 /// - CoveringLemke in 113 bits, if n <= 40 also with Cover::kNegative;
 /// - `lemke` with its default tolerances and more pivots, if its first run ended at the limit on pivots;
-/// - if n <= kLargestExact, every support in exact arithmetic.
+/// - if n <= kLargestExact, every support, in 113 bits.
 /// If n > 40, what is slow and hardly ever finds an answer is left out:
 /// - After `lemke` ended in a ray, only CoveringLemke in double follows, and nothing if the ray shows that the problem
 ///   is unsolvable up to rounding.
@@ -28,7 +28,7 @@ namespace lcpbench {
 ///   that CoveringLemke took in double.
 ///
 /// Limits on pivots grow with n; in 113 bits they also limit the work to about a second. Paths that do not cycle seldom
-/// reach them. load() takes the memory: in solve() only SparsePivoting and exact arithmetic allocate.
+/// reach them. load() takes the memory: in solve() only SparsePivoting and SupportSearch allocate.
 class LcpLadder {
  public:
   LcpLadder();
@@ -42,7 +42,7 @@ class LcpLadder {
   void solve(const SolveRequest& request, Answer& answer, const char*& text);
 
  private:
-  static constexpr Index kLargestExact = ExactSearch::kMaxSize;
+  static constexpr Index kLargestExact = SupportSearch::kMaxSize;
 
   enum class Stage {
     kSparse,
@@ -72,7 +72,7 @@ class LcpLadder {
   bool is_sparse_ = false;
   Lemke lemke_;
   CoveringLemke covering_;
-  ExactSearch exact_;
+  SupportSearch supports_;
   Answer attempt_;
   double deadline_s_ = 0;
   std::int64_t pivots_ = 0;           // of all stages that ended

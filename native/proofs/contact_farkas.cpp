@@ -161,8 +161,8 @@ bool ContactFarkas::pivot_to_end(double deadline_s) {
       if (!(pivot > kNoise)) continue;
       const double ratio = row(r)[right()] <= kNoise ? 0.0 : row(r)[right()] / pivot;
       const auto number = [&](Index of_row) { return basis_[static_cast<std::size_t>(of_row)]; };
-      const bool wins_tie = leaving >= 0 && ratio == least &&
-                            (by_number ? number(r) < number(leaving) : pivot > row(leaving)[entering]);
+      const bool wins_tie =
+          leaving >= 0 && ratio == least && (by_number ? number(r) < number(leaving) : pivot > row(leaving)[entering]);
       if (leaving >= 0 && !(ratio < least) && !wins_tie) continue;
       leaving = r;
       least = ratio;

@@ -59,9 +59,9 @@ class ContactFarkas {
   bool take_support();
 
   const ContactProblem* contact_ = nullptr;
-  std::optional<FarkasSupport::ConstMatrixMap> X_;  // none: I
-  Index rows_ = 0;                                  // one for each column of X, and sum u = 1
-  std::vector<Index> normals_;                      // contacts without compliance
+  std::optional<FarkasSupport::ConstMatrixMap> X_;   // none: I
+  Index rows_ = 0;                                   // one for each column of X, and sum u = 1
+  std::vector<Index> normals_;                       // contacts without compliance
   std::vector<int> row_exponent_, column_exponent_;  // powers of two that bring entries to about one
   /// By rows: the equations, with an artificial variable each, the right-hand side last; below them the reduced costs.
   std::unique_ptr<double[]> tableau_;

@@ -69,8 +69,6 @@ std::int64_t denominator_of(Quad x, Quad error) {
 
 }  // namespace
 
-bool is_farkas_vector(const Lcp& lcp, const Vector& u) { return proves_unsolvable(lcp, u); }
-
 /// s + A x = 0 with s, x >= 0, and the value c'x, which is to be negative. One row for each s, one
 /// column for each x.
 template <class Scalar>
@@ -379,7 +377,7 @@ bool FarkasSearch::rounds_with_unit(Quad unit) {
     if (!(value > 0 && value < std::numeric_limits<double>::infinity())) return false;
     proof_(i) = value;
   }
-  return is_farkas_vector(*lcp_, proof_);
+  return proves_unsolvable(*lcp_, proof_);
 }
 
 /// proof_ := the multiple of ray_ in small integers, where there is one.
@@ -399,7 +397,7 @@ bool FarkasSearch::rounds_to_integers() {
     if (!(multiple < Quad{0x1p53})) return false;
     proof_(i) = to_double(nearest_integer(multiple));
   }
-  return is_farkas_vector(*lcp_, proof_);
+  return proves_unsolvable(*lcp_, proof_);
 }
 
 }  // namespace lcpbench

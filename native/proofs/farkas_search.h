@@ -9,10 +9,6 @@
 
 namespace lcpbench {
 
-/// Whether u >= 0, M'u <= 0 and q'u < 0 hold exactly for these doubles: then no z >= 0 has M z + q >= 0. Nothing
-/// overflows and nothing is rounded. False for u of another length or not finite. O(n^2)
-bool is_farkas_vector(const Lcp& lcp, const Vector& u);
-
 /// Looks for vectors of doubles that prove exactly that a bare LCP is infeasible.
 ///
 /// The cone {u >= 0, M'u <= 0} is searched by the simplex method for a ray with q'u < 0, first in double, which mostly

@@ -7,16 +7,15 @@
 
 namespace lcpbench {
 
-/// Proves that contacts have no solution: that some u, positive for the given normals and zero for all others, has
-/// X'N u = 0 and (N'v + b)'u < 0, for the data as they are.
-///
-/// With A = X'N of the given normals, independent rows of A, one fewer than normals, and sum u = 1 are a square system.
-/// It is solved without any rounding: the other rows depend on these, and vanish at that solution too.
+/// Shows in 113 bits that contacts have no solution: that some u, positive for the given normals and zero for all
+/// others, has X'N u = 0 and (N'v + b)'u < 0. u is found by elimination of A = X'N of these normals, whose rank has to
+/// be one less than their number, with a visible gap. What is proven exactly is decided by the doubles that
+/// write_proof() makes of u: see core/answer/farkas.h.
 class FarkasSupport {
  public:
   using ConstMatrixMap = Eigen::Map<const Matrix>;
 
-  /// Allocates. False where there is no such u, and where it is not found.
+  /// Allocates. False where there is no such u, and where 113 bits do not show it.
   /// @param X of G = X diag(alpha) X' with alpha > 0, or G*, or G (ngc rows). Null: I @param v ngc entries
   bool proves_unsolvable(const ContactProblem& contact, const ConstMatrixMap* X, const double* v,
                          const std::vector<Index>& normals);

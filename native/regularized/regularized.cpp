@@ -256,8 +256,7 @@ class Regularized final : public Solver {
 
 Regularized::Regularized(const RegularizedSettings& settings) : regularization_(settings) {
   const Spec spec = parse_spec(settings.solver);
-  inner_solver(spec);
-  solver_ = make_solver(spec);
+  solver_ = inner_solver(spec).make(spec.options);  // what it cannot prove is not withdrawn before the ladder ends
   capabilities_ = capabilities_of(spec.name, solver_->capabilities());
 }
 

@@ -26,7 +26,8 @@ Judge::Judge(const Problem& problem, BoundedCertifier& certifier, std::optional<
 
 std::size_t Judge::judge(const Answer& answer, FrictionModel model) {
   const std::size_t number = find_or_judge(answer, model);
-  const bool denies = answer.claim == Claim::kUnsolvable && !judgement(number).proof_holds;
+  const bool denies =
+      (answer.claim == Claim::kUnsolvable || answer.farkas.size() > 0) && !judgement(number).proof_holds;
   if (denies && !findings_.has(Evidence::kTheory)) settle();
   return number;
 }

@@ -31,9 +31,9 @@ class BoundedCertifier {
 };
 
 /// Judges the answers to one problem, equal ones once, and collects what they and exact arithmetic tell of it. Where
-/// theory does not decide the problem, an answer that denies a solution without a valid proof, of whatever friction
-/// model, has it settled within the limits of BoundedCertifier; what is found is the truth for all answers. Not in
-/// study/evaluation, which knows no solver: a Certifier's candidates come from solvers.
+/// theory does not decide the problem, an answer that denies a solution without a valid proof, or brings a vector that
+/// is no proof, of whatever friction model, has it settled within the limits of BoundedCertifier; what is found is the
+/// truth for all answers. Not in study/evaluation, which knows no solver: a Certifier's candidates come from solvers.
 class Judge {
  public:
   /// Both must outlive this object. @param solved_at  the verdict's bound, instead of that of the problem's kind

@@ -8,8 +8,6 @@
 
 namespace lcpbench {
 
-static_assert(kLargestRho == kSolvedVelocityResidual);
-
 Errors ContactEvaluation::errors(const Answer& answer, FrictionModel model) {
   Errors errors;
   errors.usable = true;

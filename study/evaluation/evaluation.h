@@ -8,16 +8,11 @@
 #include <memory>
 #include <optional>
 
+#include "core/answer/limits.h"
 #include "core/solver.h"
 
 namespace lcpbench {
 
-/// The verdict's bound on the relative velocity residual rho of a contact problem.
-inline constexpr double kSolvedVelocityResidual = 1e-4;
-/// The verdict's bound on the error of a velocity that an answer to a contact problem comes with.
-inline constexpr double kSolvedReturnedVelocity = 1e-4;
-/// The verdict's bound on the backward error of a bare LCP.
-inline constexpr double kSolvedBackwardError = 1e-6;
 /// The paper's criterion: bounds on the work gain [J] and on the normal violation [m/s].
 inline constexpr double kCriterionWork = 1e-3;
 inline constexpr double kCriterionViolation = 1e-3;
@@ -68,8 +63,8 @@ struct Errors {
   /// solver together, see measure_friction(). NaN without friction, and where the friction directions name no cone.
   double model_error_m_per_s = kNone;
   double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  /// The verdict's measure of bare LCPs, see backward_error(): the largest |min(c_i z_i, w_i)| / (|q_i| + c_i max|z|);
-  /// of mixed ones mid(c_i (z_i - lower_i), c_i (z_i - upper_i), w_i) in place of the minimum, see mixed_error().
+  /// The verdict's measure of bare LCPs, see lcp_error(): the largest |min(c_i z_i, w_i)| / (|q_i| + c_i max|z|);
+  /// of mixed ones mid(c_i (z_i - lower_i), c_i (z_i - upper_i), w_i) in place of the minimum, see lcp_error().
   double backward_row_norm = kNone;
   double forward_velocity = kNone;        ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
@@ -301,7 +296,7 @@ class Evaluator {
   Truth truth() const;
 
   /// True when u (nc entries, >= 0) proves in exact dyadic arithmetic that the contact problem has no solution:
-  /// N u in null(G) and (N'v + b)'u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0. See study/evaluation/farkas.h. A u
+  /// N u in null(G) and (N'v + b)'u < 0; for a bare LCP: u >= 0, M'u <= 0, q'u < 0. See core/answer/farkas.h. A u
   /// that holds only to rounding, as floating-point solvers return it for real data, is no proof: false.
   bool check_farkas(const Vector& u) const;
 

@@ -3,7 +3,7 @@ add_test(NAME one_definition
          COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/core/one_definition.cmake)
 lcpbench_room(core LINK lcpbench_core lcpbench_generators lcpbench_io Threads::Threads
               DEFINE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-foreach(test spec settings contact_problem exact_inertia solver isa islands utf8 suggestion warm_start whole_file
+foreach(test spec settings contact_problem solver isa islands utf8 suggestion warm_start whole_file
         problem_errors problem_io problem_text_formats scenes_file)
   lcpbench_test(${test})
 endforeach()

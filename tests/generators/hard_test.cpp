@@ -14,7 +14,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/run/plan.h"
 #include "study/run/study.h"
-#include "tests/support/enumeration.h"
+#include "tests/attack/truth.h"
 
 namespace lcpbench::hard_test {
 namespace {
@@ -126,7 +126,7 @@ TEST(HardTruthTest, ExactEnumerationOfSmallLcpsAgrees) {
     const Problem problem = problem_of(name);
     if (problem.contact() != nullptr || problem.size() > kLargest) continue;
     const bool solvable = hard_case(name)->truth.known == HardKnown::kSolvable;
-    EXPECT_EQ(testing::enumerate(problem.lcp()).solvable, solvable) << name;
+    EXPECT_EQ(attack::exact_truth(problem).truth == Truth::kSolvable, solvable) << name;
     ++checked;
   }
   EXPECT_GE(checked, 60U);

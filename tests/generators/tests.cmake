@@ -61,7 +61,8 @@ endif()
 
 # Also against the judge, which lives in study/.
 lcpbench_room(generators
-  LINK lcpbench_evaluation lcpbench_generators lcpbench_io lcpbench_study lcpbench_solver_list Threads::Threads
+  LINK lcpbench_attack lcpbench_evaluation lcpbench_generators lcpbench_io lcpbench_study lcpbench_solver_list
+    Threads::Threads
   DEFINE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md"
     GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt"
     HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")

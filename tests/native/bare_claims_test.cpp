@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/answer/exact_sum.h"
+#include "core/answer/farkas.h"
 #include "core/registry.h"
 #include "core/spec.h"
 #include "core/timed_solve.h"
@@ -66,7 +67,7 @@ TEST(BareClaimsTest, AutoProvesThatABlockHasNoSolution) {
   const Lcp lcp = beside_identity(13, Matrix{{0, 1}, {0, 0}}, Vector{{-1, -1}});
   const Answer answer = solve("auto", Problem("blocks", lcp));
   EXPECT_EQ(answer.claim, Claim::kUnsolvable) << answer.detail;
-  EXPECT_TRUE(is_farkas_vector(lcp, answer.farkas));
+  EXPECT_TRUE(proves_unsolvable(lcp, answer.farkas));
   EXPECT_EQ(answer.detail.find("block of 2 rows, from row 0: "), 0U) << answer.detail;
 }
 
@@ -125,19 +126,33 @@ TEST(ExactSumTest, KnowsTheSignWhereEverythingCancels) {
   EXPECT_EQ(sum.sign(), 0);
   for (int k = 0; k < 100; ++k) sum.add(std::numeric_limits<double>::max(), -std::numeric_limits<double>::max());
   EXPECT_EQ(sum.sign(), -1);
+  sum.clear();
+  constexpr double kOdd = 1 - 0x1p-53;
+  sum.add(kOdd, -kOdd, kOdd);  // -1 + 3 2^-53 - 3 2^-106 + 2^-159
+  sum.add(1, 1);
+  sum.add(-3, 0x1p-53);
+  sum.add(3, 0x1p-53, 0x1p-53);
+  EXPECT_TRUE(sum.value() == 0x1p-159);
+  sum.add(-0x1p-53, 0x1p-53, 0x1p-53);
+  EXPECT_EQ(sum.sign(), 0);
+  sum.add(-0x1p-1074, 0x1p-1074, 0x1p-1074);
+  EXPECT_EQ(sum.sign(), -1);
+  EXPECT_TRUE(sum.value() * Quad{0x1p1000} * Quad{0x1p1000} * Quad{0x1p1000} * Quad{0x1p222} == -1);
+  sum.add(0x1p1023, 0x1p1023, 0x1p1023);
+  EXPECT_TRUE(sum.value() / Quad{0x1p1023} / Quad{0x1p1023} / Quad{0x1p1023} == 1);
 }
 
 TEST(FarkasSearchTest, FindsAProofWhoseBasisIsSingular) {
   FarkasSearch search;
   search.load(kInfeasibleByAnUlp);
   ASSERT_TRUE(search.find({1, 1, 1}, kForever));
-  EXPECT_TRUE(is_farkas_vector(kInfeasibleByAnUlp, search.proof()));
+  EXPECT_TRUE(proves_unsolvable(kInfeasibleByAnUlp, search.proof()));
   search.load(kFeasibleButUnsolvable);
   EXPECT_FALSE(search.find({1, 1}, kForever));
-  EXPECT_FALSE(is_farkas_vector(kInfeasibleByAnUlp, Vector::Ones(3)));
+  EXPECT_FALSE(proves_unsolvable(kInfeasibleByAnUlp, Vector::Ones(3)));
   Vector not_a_number = Vector::Ones(3);
   not_a_number(1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(is_farkas_vector(kInfeasibleByAnUlp, not_a_number));
+  EXPECT_FALSE(proves_unsolvable(kInfeasibleByAnUlp, not_a_number));
 }
 
 TEST(FarkasSearchTest, FindsProofsOfEveryScale) {

@@ -1,6 +1,7 @@
 // Mixed and boxed LCPs: what a solver that knows z >= 0 alone makes of them by way of the reduction, against the exact
 // enumeration of every row's state, and against the states of the diodes of bridge rectifiers.
 
+#include "core/answer/lcp_error.h"
 #include "core/mixed_lcp.h"
 
 #include <Eigen/LU>
@@ -172,7 +173,7 @@ TEST(MixedLcpTest, TheMeasureIsThatOfTheBounds) {
   lcp.bounds.friction_of = {-1, 0};
   lcp.bounds.mu = Vector{{0, 0.5}};
   const auto backward = [&](double normal, double friction) {
-    return mixed_error(lcp, std::vector<double>{normal, friction}).backward;
+    return lcp_error(lcp, std::vector<double>{normal, friction}).backward;
   };
   EXPECT_EQ(backward(1, -0.5), 0);
   EXPECT_DOUBLE_EQ(backward(1, 0.5), 1 / 3.5);        // at the wrong bound: friction pushes on; w = 3.5, z - lower = 1
@@ -180,7 +181,7 @@ TEST(MixedLcpTest, TheMeasureIsThatOfTheBounds) {
   EXPECT_DOUBLE_EQ(backward(1, 0), 0.5 / 3);          // not at its bound
   EXPECT_DOUBLE_EQ(backward(0, 0), 1);                // the normal row approaches
   EXPECT_EQ(backward(std::nan(""), 0), kNone);
-  EXPECT_EQ(mixed_error(lcp, std::vector<double>{1, 0.5}).row, 1);
+  EXPECT_EQ(lcp_error(lcp, std::vector<double>{1, 0.5}).row, 1);
   EXPECT_EQ(solved({"box friction", lcp}).answer.z, (Vector{{1, -0.5}}));
 }
 

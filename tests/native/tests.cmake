@@ -1,8 +1,8 @@
 lcpbench_room(native LINK lcpbench_solver_list lcpbench_native lcpbench_steppers lcpbench_generators lcpbench_evaluation
               lcpbench_statistics)
 foreach(test conformance active_set auto auto_rest auto_scenes bare_claims claims cone_ipm contact_farkas contact_ipm
-        even_impulses exact_search friction_ipm island_units mixed_lcp multifrontal primal_dual
-        principal_pivoting proximal_newton psor race resumable soft_contacts sparse_pivoting steppers
+        even_impulses friction_ipm island_units mixed_lcp multifrontal primal_dual principal_pivoting
+        proximal_newton psor race resumable soft_contacts sparse_pivoting steppers support_search
         velocity_ipm warm_steps)
   lcpbench_test(${test})
 endforeach()
