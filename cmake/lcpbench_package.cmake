@@ -25,6 +25,7 @@ add_custom_command(
 
 set(c_header ${PROJECT_SOURCE_DIR}/native/lcpbench_c.h)
 set(c_source ${PROJECT_SOURCE_DIR}/native/lcpbench_c.cpp)
+set_source_files_properties(${c_source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # the shared library has its own
 configure_file(${c_header} ${PROJECT_BINARY_DIR}/include/lcpbench/lcpbench_c.h COPYONLY)
 
 add_library(lcpbench_package STATIC ${PROJECT_BINARY_DIR}/generated/native_list.cpp ${c_source} ${header} ${objects})

@@ -160,16 +160,20 @@ TEST_F(ReplayCommand, ARobotOfTheUsersIsReplayed) {
 TEST_F(ReplayCommand, FreeBodiesOfAModelAreFreeForEveryStepper) {
   if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
   const auto box = [](const std::string& name, const char* height, const char* mass) {
-    return "<body name='" + name + "' pos='0 0 " + height + "' euler='0 0 30'><freejoint/>"
-           "<geom name='" + name + "-box' type='box' size='.5 .5 .5' pos='.1 .1 0' mass='" + mass + "'/>"
-           "<body pos='.2 .2 .1'><geom type='sphere' size='.1' contype='0' conaffinity='0' mass='" + mass + "'/><site name='" +
-           name + "-top' pos='0 0 .5'/></body></body>";
+    return "<body name='" + name + "' pos='0 0 " + height +
+           "' euler='0 0 30'><freejoint/>"
+           "<geom name='" +
+           name + "-box' type='box' size='.5 .5 .5' pos='.1 .1 0' mass='" + mass +
+           "'/>"
+           "<body pos='.2 .2 .1'><geom type='sphere' size='.1' contype='0' conaffinity='0' mass='" +
+           mass + "'/><site name='" + name + "-top' pos='0 0 .5'/></body></body>";
   };
-  std::ofstream(folder_ / "heavy.xml") << "<mujoco><option timestep='.005'/><worldbody><geom type='plane' size='5 5 1'/>"
-                                       << box("light", ".5", ".5") << box("heavy", "1.5", "50")
-                                       << "</worldbody></mujoco>";
-  const std::string steppers = "--solver auto --stepper pgs --stepper sequential_impulses --stepper soft_step --stepper "
-                               "xpbd --stepper admm --stepper apgd --engine-solver --steps 100 --format json ";
+  std::ofstream(folder_ / "heavy.xml")
+      << "<mujoco><option timestep='.005'/><worldbody><geom type='plane' size='5 5 1'/>" << box("light", ".5", ".5")
+      << box("heavy", "1.5", "50") << "</worldbody></mujoco>";
+  const std::string steppers =
+      "--solver auto --stepper pgs --stepper sequential_impulses --stepper soft_step --stepper "
+      "xpbd --stepper admm --stepper apgd --engine-solver --steps 100 --format json ";
   const ProgramRun output = run("replay heavy --model heavy.xml --out made " + steppers);
   ASSERT_EQ(output.exit_code, 0) << output.err;
   const json scene = json::parse(output.out)[0];
@@ -359,7 +363,7 @@ TEST_F(ReplayCommand, ATrackWhoseFramesCannotBeWrittenHasNoEnd) {
   if (!installed("ode") || !fs::exists("/dev/full")) GTEST_SKIP() << "ode or /dev/full is not installed";
   fs::create_symlink("/dev/full", folder_ / "frames");
   const std::string command = "cd '" + std::string(folder_ / "") + "' && '" + program.string() +
-                              "' stack '' 1 3 frames exact track.csv '' '' '' '' 2> /dev/null";
+                              "' stack '' 1 3 frames exact track.csv '' '' '' 2> /dev/null";
   EXPECT_NE(std::system(command.c_str()), 0);
   EXPECT_TRUE(fs::exists(folder_ / "track.csv"));
   EXPECT_FALSE(is_complete_track(folder_ / "track.csv"));
