@@ -123,9 +123,15 @@ int run_capture(CaptureArguments arguments) {
   std::filesystem::path folder = out.place().parent_path();
   if (folder.empty()) folder = ".";
   const NamelessFile steps(folder);
-  const std::vector<std::string> words{arguments.scene, arguments.model,  std::to_string(arguments.every),
-                                       std::to_string(arguments.steps), steps.name(), arguments.loop,
-                                       "",              arguments.soft,   ""};
+  const std::vector<std::string> words{arguments.scene,
+                                       arguments.model,
+                                       std::to_string(arguments.every),
+                                       std::to_string(arguments.steps),
+                                       steps.name(),
+                                       arguments.loop,
+                                       "",
+                                       arguments.soft,
+                                       ""};
   const Spec engine = capture::engine_spec(arguments.engine);
   const capture::EngineRun run = capture::run_engine(engine, words, stop);
   if (run.ending == "exited with code 2") throw InputError(run.message);
@@ -160,7 +166,7 @@ int run_capture(CaptureArguments arguments) {
       std::filesystem::file_size(place));
   const std::int64_t one = written.step_number(written.count() / 2);
   const std::string step = shell_word(file_argument(fmt::format("{}#{}", name, one)));
-  say(stdout, "one of them: lcpbench solve {0}, in 3D: lcpbench view {0}\n", step);
+  say(stdout, "one of them in 3D: lcpbench view {0}\nits answers: lcpbench solve {0}\n", step);
   if (interrupted) return kExitInterrupted;
   return crashed ? kExitCheckFailed : kExitDone;
 }
@@ -199,7 +205,8 @@ Action add_capture_command(CLI::App& command) {
       ->check(CLI::IsMember({"model", "newton", "cg", "pgs", "exact"}));
   command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
   command.footer(
-      "Scenes of free bodies run in ode (the default), bullet, mujoco, dart and external engines; scenes with joints in "
+      "Scenes of free bodies run in ode (the default), bullet, mujoco, dart and external engines; scenes with joints "
+      "in "
       "mujoco (the default) and dart. See docs/howto/capture-a-scene.md." +
       list_of_scenes());
   return [arguments] { return run_capture(*arguments); };

@@ -88,7 +88,7 @@ TEST_F(Capture, ThePrintedCommandNamesAnyFile) {
     const std::string bash = "cd '" + folder_.string() + "' && bash script";
     ASSERT_EQ(std::system(bash.c_str()), 0) << read_file(folder_ / "err");
     const std::string out = read_file(folder_ / "out");
-    EXPECT_EQ(std::count(out.begin(), out.end(), '\n'), 2) << out;
+    EXPECT_EQ(std::count(out.begin(), out.end(), '\n'), 3) << out;
     EXPECT_EQ(out.find('\x1b'), std::string::npos);
     const std::string printed = "lcpbench solve ";
     std::ofstream(folder_ / "script") << "'" LCPBENCH_PROGRAM "' inspect "

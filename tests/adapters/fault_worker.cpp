@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -116,11 +117,17 @@ class Fault final : public Solver {
     using A = Answer;
     static const std::map<std::string, std::function<void(A&)>> map{
         {"right", [](A&) {}},
+        {"zeros", [](A& a) { a.z.setZero(); }},
+        {"nan", [](A& a) { a.z.setConstant(std::numeric_limits<double>::quiet_NaN()); }},
         {"segfault", [](A&) { write_to_protected_memory(); }},
         {"abort",
          [](A&) {
            std::fputs("assertion 'x > 0'\n failed\n", stderr);
            std::abort();
+         }},
+        {"loop for ever",
+         [](A&) {
+           for (volatile bool on = true; on;) continue;
          }},
         {"sleep for ever", [](A&) { sleep_for_ever(); }},
         {"exit(0)", [](A&) { std::exit(0); }},

@@ -82,7 +82,7 @@ class Campaign {
 
   void count(const Target& target, const std::vector<Outcome>& outcomes) {
     const bool unsolvable = target.truth.truth == Truth::kUnsolvable;
-    const bool nearly = target.problem.contact() != nullptr && target.passes && unsolvable;
+    const bool nearly = target.passes && unsolvable;
     solvable_ += target.truth.truth == Truth::kSolvable ? 1 : 0;
     unsolvable_ += unsolvable ? 1 : 0;
     nearly_ += nearly ? 1 : 0;

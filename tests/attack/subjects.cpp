@@ -62,7 +62,7 @@ class SolverSubject final : public Subject {
   Outcome meet(Target& target, double time_limit_s, std::string& detail) override {
     solve(*solver_, target, time_limit_s, answer_);
     const Outcome outcome = classify(target, answer_, friction_model(friction_, target.problem), detail);
-    if (outcome != Outcome::kBeyondDoubles && !contradiction(outcome)) return outcome;
+    if (!contradiction(outcome)) return outcome;
     const auto fresh = make_solver(parse_spec(name_));
     Answer again;
     solve(*fresh, target, time_limit_s, again);
@@ -82,7 +82,6 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   detail = std::string(to_string(target.approach)) + ": " + lcpbench::to_string(answer.claim) +
            (answer.detail.empty() ? "" : " (" + answer.detail + ")");
   if (answer.claim == Claim::kUnsupported) return Outcome::kRefused;
-  const bool bare = target.problem.contact() == nullptr;
   const bool round = friction != Friction::kPyramid;
   const bool solves = target.judge.solves(answer.z, friction);
   detail += round ? ", by the cone's measure" : ", measure " + number(target.judge.measure());
@@ -95,9 +94,6 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   target.passes = target.passes || (!round && solves);
   if (answer.claim == Claim::kSolved && !solves) return Outcome::kFalseSolved;
   if (answer.claim == Claim::kSolved && !moves_so) return Outcome::kFalseVelocity;
-  if (answer.claim == Claim::kSolved && unsolvable && bare) {
-    return target.truth.shown_by_doubles ? Outcome::kDisproved : Outcome::kBeyondDoubles;
-  }
   if (answer.claim == Claim::kUnsolvable && solvable) return Outcome::kFalseUnsolvable;
   const bool shows_vector = answer.claim != Claim::kUnsolvable || answer.farkas.size() > 0;
   if (answer.detail.find("proven") != std::string::npos && shows_vector && !witness) return Outcome::kFalseProven;
@@ -232,10 +228,8 @@ const char* to_string(Outcome outcome) {
     case Outcome::kOpen: return "open";
     case Outcome::kRefused: return "refused";
     case Outcome::kUnresolved: return "unresolved";
-    case Outcome::kBeyondDoubles: return "beyond_doubles";
     case Outcome::kFalseSolved: return "false_solved";
     case Outcome::kFalseVelocity: return "false_velocity";
-    case Outcome::kDisproved: return "disproved";
     case Outcome::kFalseUnsolvable: return "false_unsolvable";
     case Outcome::kFalseProven: return "false_proven";
     case Outcome::kFalseCertificate: return "false_certificate";

@@ -16,18 +16,16 @@ namespace lcpbench::attack {
 /// What became of one answer. The first ones are right or honest; from kFalseSolved on they are contradictions.
 enum class Outcome {
   kSolved,             ///< claimed solved, and the exact measure agrees
-  kNearlySolved,       ///< contacts, as kSolved, and no solution exists without a tolerance
+  kNearlySolved,       ///< as kSolved, and no solution exists without a tolerance
   kUnsolvable,         ///< claimed unsolvable, truly, with a vector that proves it exactly (certify: with any proof)
-  kNearlyUnsolvable,   ///< contacts, claimed unsolvable, truly, and some subject's answer passes
+  kNearlyUnsolvable,   ///< claimed unsolvable, truly, and some subject's answer passes
   kUnsolvableNoProof,  ///< claimed unsolvable, truly or for all we know, without a vector that proves it exactly
   kMissed,             ///< no claim, although there is a solution
   kOpen,               ///< no claim, and there is no solution, or none that is known
   kRefused,            ///< the solver does not take such problems
   kUnresolved,         ///< contacts, and the evaluation says that it cannot resolve the inertia
-  kBeyondDoubles,      ///< bare LCP, claimed solved within the measure; no solution exists, which no doubles show
   kFalseSolved,        ///< claimed solved, and rho > 1e-4 or eta > 1e-9, or z is no answer
   kFalseVelocity,      ///< claimed solved, and the returned velocity is not that of the impulses
-  kDisproved,          ///< bare LCP, claimed solved within the measure; no solution exists, as doubles show
   kFalseUnsolvable,    ///< claimed unsolvable, and there is a solution
   kFalseProven,        ///< the answer says "proven", and its vector proves nothing exactly
   kFalseCertificate,   ///< certify: the proof is wrong, or contradicts the truth
@@ -37,7 +35,7 @@ enum class Outcome {
   kCrashed,            ///< threw
 };
 
-inline constexpr std::size_t kOutcomes = 20;
+inline constexpr std::size_t kOutcomes = 18;
 const char* to_string(Outcome outcome);
 constexpr bool contradiction(Outcome outcome) { return outcome >= Outcome::kFalseSolved; }
 

@@ -41,67 +41,13 @@ Truth find_complementary_point(Inequalities& inequalities, int& nodes) {
   return Truth::kUnsolvable;
 }
 
-/// The doubles next to u / max|u|, if they prove the same.
-bool proves_as_doubles(const Problem& problem, const DyadicVector& u) {
-  Dyadic largest;
-  for (const Dyadic& x : u) largest = max(largest, x);
-  if (largest.sign() == 0) return false;
-  const auto bits = static_cast<long>(mpz_sizeinbase(largest.numerator().backend().data(), 2)) + largest.exponent();
-  for (const long shift : {0L, 900L, -900L}) {  // where the entries differ much in size
-    Vector rounded(static_cast<Index>(u.size()));
-    for (std::size_t i = 0; i < u.size(); ++i) {
-      signed long exponent = 0;
-      const double mantissa = mpz_get_d_2exp(&exponent, u[i].numerator().backend().data());
-      const long total = std::clamp(exponent + u[i].exponent() - bits + shift, -5000L, 5000L);
-      rounded(static_cast<Index>(i)) = u[i].sign() == 0 ? 0 : std::ldexp(mantissa, static_cast<int>(total));
-    }
-    if (rounded.allFinite() && disproves(problem, rounded)) return true;
-  }
-  return false;
-}
-
-/// The same problem with its rows in another order: `shift` places on.
-DyadicMatrix rotated(const DyadicMatrix& rows, Index shift) {
-  const Index n = rows.rows;
-  DyadicMatrix result(n, n + 1);
-  for (Index i = 0; i < n; ++i) {
-    result(i, 0) = rows((i + shift) % n, 0);
-    for (Index j = 0; j < n; ++j) result(i, j + 1) = rows((i + shift) % n, (j + shift) % n + 1);
-  }
-  return result;
-}
-
-DyadicVector sum(const DyadicVector& a, const DyadicVector& b) {
-  if (a.empty()) return b;
-  DyadicVector result;
-  for (std::size_t i = 0; i < a.size(); ++i) result.push_back(a[i] + b[i]);
-  return result;
-}
-
-/// Looks at extreme rays of the cone of all proofs, and at sums of them, which have room for rounding.
-bool shown_by_doubles(const Problem& problem, const DyadicMatrix& rows) {
-  const Index n = rows.rows;
-  DyadicVector total;
-  for (Index shift = 0; shift < n; ++shift) {
-    Inequalities inequalities(rotated(rows, shift));
-    if (inequalities.feasible()) return false;
-    const DyadicVector found = inequalities.contradiction();
-    DyadicVector u(at(n));
-    for (Index i = 0; i < n; ++i) u[at((i + shift) % n)] = found[at(i)];
-    if (proves_as_doubles(problem, u)) return true;
-    total = sum(total, u);
-    if (proves_as_doubles(problem, total)) return true;
-  }
-  return false;
-}
-
 ExactTruth lcp_truth(const Problem& problem) {
   const Lcp& lcp = problem.lcp();
   const DyadicMatrix rows = beside(exact(lcp.q), exact(lcp.M));
   Inequalities inequalities(rows);
-  if (!inequalities.feasible()) return {Truth::kUnsolvable, shown_by_doubles(problem, rows)};
+  if (!inequalities.feasible()) return {Truth::kUnsolvable};
   int nodes = std::numeric_limits<int>::max();
-  return {find_complementary_point(inequalities, nodes), false};
+  return {find_complementary_point(inequalities, nodes)};
 }
 
 /// b of a contact.
@@ -179,9 +125,9 @@ DyadicMatrix cone_edges(const ContactProblem& contact) {
 
 ExactTruth contact_truth(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  const bool nothing_asked = contact.offset_t.size() == 0 &&
-                             std::all_of(contact.b.begin(), contact.b.end(), [](double b) { return b >= 0; });
-  if (nothing_asked && positive_definite(exact_inertia(contact.inertia))) return {Truth::kSolvable, false};
+  const bool nothing_asked =
+      contact.offset_t.size() == 0 && std::all_of(contact.b.begin(), contact.b.end(), [](double b) { return b >= 0; });
+  if (nothing_asked && positive_definite(exact_inertia(contact.inertia))) return {Truth::kSolvable};
   const DyadicMatrix P = range_basis(contact.inertia);
   const DyadicMatrix edges = cone_edges(contact);
   DyadicVector q = product(transposed(edges), exact(contact.v));
@@ -192,13 +138,13 @@ ExactTruth contact_truth(const Problem& problem) {
       q[at(column)] = q[at(column)] + offset_of(contact, c) + Dyadic(contact.mu(c)) * slip_offset(contact, c, t);
     }
   }
-  if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), q, contact)) return {Truth::kUnsolvable, false};
+  if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), q, contact)) return {Truth::kUnsolvable};
   const bool copositive = positive_semidefinite(exact_inertia(contact.inertia));
-  if (copositive && !moves_nothing_and_falls(P, edges, q, contact)) return {Truth::kSolvable, false};
+  if (copositive && !moves_nothing_and_falls(P, edges, q, contact)) return {Truth::kSolvable};
   if (problem.size() > kLargestSearched) return {};
   Inequalities inequalities(Judge(problem).rows());
   int nodes = kNodes;
-  return {find_complementary_point(inequalities, nodes), false};
+  return {find_complementary_point(inequalities, nodes)};
 }
 
 bool nonnegative(const DyadicVector& x) {

@@ -9,9 +9,6 @@ namespace lcpbench::attack {
 /// What is exactly true of a small problem, found without any solver.
 struct ExactTruth {
   Truth truth = Truth::kUnknown;
-  /// A vector of doubles proves exactly that the problem has no solution: u >= 0, M'u <= 0, q'u < 0 (bare LCP). False:
-  /// either no linear proof exists, or none was found whose entries are doubles.
-  bool shown_by_doubles = false;
 };
 
 /// Bare LCP: always known. Every complementary cone is examined, by branching over the pairs; at each node an exact

@@ -89,15 +89,14 @@ TEST(FrictionModelTest, TheConesSolutionPassesAndThePyramidsDoesNot) {
 /// Where the directions name no round cone, the answer is not measured, and the claim is not false.
 TEST(FrictionModelTest, WhatNamesNoConeIsNotMeasured) {
   ContactProblem contact = *sliding(3, 4).contact();
-  contact.D = Matrix(to_dense(contact.D)(Eigen::all, {0, 2}));
-  contact.edges = {2};
-  const Problem planar("planar", contact);
+  contact.D = Matrix(to_dense(contact.D)(Eigen::all, {0, 0, 2, 2}));
+  const Problem irregular("one tangent twice", contact);
   Answer answer;
   answer.claim = Claim::kSolved;
-  answer.z = Vector::Zero(4);
+  answer.z = Vector::Zero(6);
   for (const FrictionModel model : {FrictionModel::kCone, FrictionModel::kConvex}) {
-    Errors errors = Evaluator(planar).errors(answer);
-    measure_friction(model, planar, answer, errors);
+    Errors errors = Evaluator(irregular).errors(answer);
+    measure_friction(model, irregular, answer, errors);
     EXPECT_TRUE(errors.unresolved);
     EXPECT_EQ(verdict(answer.claim, errors, Truth::kUnknown), Verdict::kOpen);
   }

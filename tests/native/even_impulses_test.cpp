@@ -123,7 +123,8 @@ void expect_same_as_soft(const Problem& problem) {
 }
 
 /// Where the velocity of soft contacts comes to that of `auto` the impulses do, too; elsewhere it has the answer that
-/// it has without them. What is left of the compliance is taken away by a second one of half its size.
+/// it has without them. With friction soft contacts may have several answers: one with more energy is not the limit.
+/// What is left of the compliance is taken away by a second one of half its size.
 TEST(EvenImpulsesTest, AreThoseOfVanishingCompliance) {
   int compared = 0, kept = 0;
   for (const char* name :
@@ -143,7 +144,8 @@ TEST(EvenImpulsesTest, AreThoseOfVanishingCompliance) {
       const Answer soft = solve_softly(problem, 1e-6), harder = solve_softly(problem, 5e-7);
       const double first = testing::velocity_difference(problem, soft, even),
                    second = testing::velocity_difference(problem, harder, even);
-      const bool is_limit = first <= 1e-3 * speed && second <= 0.6 * first;
+      const bool is_least = net_of(problem, soft.z).squaredNorm() <= 1.01 * net_of(problem, even.z).squaredNorm();
+      const bool is_limit = is_least && first <= 1e-3 * speed && second <= 0.6 * first;
       if (!is_limit && even.impulses == Impulses::kAny) {
         EXPECT_EQ(Vector(even.z), Vector(any.z)) << what;
         EXPECT_TRUE(contains(even.detail, "impulses not even: none were found")) << what << ": " << even.detail;
