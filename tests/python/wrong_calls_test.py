@@ -157,9 +157,9 @@ def wrong_uses():
     yield "", lambda: check(lcp, [1.0], [1.0])
     for model in ("disc", "", 3):
         yield "model", lambda model=model: check(box, np.zeros(24), model=model)
-    two = Problem(G=np.eye(3), N=[[0], [0], [1.0]], D=[[1.0, -1], [0, 0], [0, 0]], v=[1.0, 0, -1], mu=0.5)
+    twice = Problem(G=np.eye(3), N=[[0], [0], [1.0]], D=[[1.0, 1, -1, -1], [0] * 4, [0] * 4], v=[1.0, 0, -1], mu=0.5)
     for model in ("cone", "convex"):
-        yield "model '" + model, lambda model=model: check(two, solve(two).z, model=model)
+        yield "model '" + model, lambda model=model: check(twice, solve(twice).z, model=model)
     yield "friction", lambda: check(Problem(G=np.eye(1), N=[[1.0]], v=[0]), [[1.0, 1, 0]])
     for ids in ([], [1], [1, 2, 3, -1], [1, 2, 3, 2**64], [1, 2, 3, None], [1, 2, 3, 0.5], 7):
         yield "ids", lambda ids=ids: solver.update(box, ids)
