@@ -110,6 +110,7 @@ class Auto final : public Solver {
   std::vector<std::pair<Index, Index>> pairs_;  ///< rows of a bare LCP that are one free unknown
   std::vector<Index> of_free_;                  ///< the row of each row of free_'s problem
   std::unique_ptr<Auto> free_;                  ///< solves it with free unknowns in the place of pairs_
+  bool joins_pairs_ = true;  ///< not in free_: unknowns that cannot be eliminated come back as the same pairs
   Answer part_;
 
   std::shared_ptr<LaterEngines> later_;
@@ -153,9 +154,11 @@ void Auto::load(const Problem& problem, bool to_hold) {
 }
 
 void Auto::load_blocks(const Problem& problem) {
-  pairs_ = split_unknowns(problem.lcp());
+  pairs_.clear();
+  if (joins_pairs_) pairs_ = split_unknowns(problem.lcp());
   if (!pairs_.empty()) {
     if (free_ == nullptr) free_ = std::make_unique<Auto>(AutoSettings{});
+    free_->joins_pairs_ = false;
     free_->Solver::load(Problem("", with_free_unknowns(problem.lcp(), pairs_, of_free_)));
   }
   const RowIslands islands = row_islands(problem.lcp().M);

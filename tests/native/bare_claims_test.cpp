@@ -71,6 +71,15 @@ TEST(BareClaimsTest, AutoProvesThatABlockHasNoSolution) {
   EXPECT_EQ(answer.detail.find("block of 2 rows, from row 0: "), 0U) << answer.detail;
 }
 
+/// M has rank 1, so that not all unknowns that were split in two can be eliminated.
+TEST(BareClaimsTest, AutoSolvesWhereFreeUnknownsCannotBeEliminated) {
+  const Vector a{{1, -2, 2, 3, -3, -2, -1, 2}};
+  const Problem problem("rank 1", Lcp{a * a.transpose(), Vector{{-10, 20, -20, -30, 30, 20, 13, -20}}});
+  const Answer answer = solve("auto", problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(Evaluator(problem).errors(answer).backward_row_norm, 1e-12);  // rounding of sums of eight numbers up to 90
+}
+
 // --- what auto solves beside ---
 
 /// A game of two groups of players: each plays against the others with payoffs of its own. [Howson 1972]
