@@ -18,8 +18,9 @@ fetch_flint() {
   local apt="$work/apt" options
   options="-o APT::Sandbox::User=root -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts=$apt/parts -o Dir::State::Lists=$apt"
   mkdir -p "$apt/partial" "$apt/parts"
-  sed -n 's/^deb /deb-src /p' /etc/apt/sources.list > "$apt/parts/debian.list" 2>/dev/null || true
-  sed 's/^Types: .*/Types: deb-src/' /etc/apt/sources.list.d/debian.sources > "$apt/parts/debian.sources" 2>/dev/null || true
+  local list=/etc/apt/sources.list sources=/etc/apt/sources.list.d/debian.sources  # Debian 12 has one of them
+  if [ -e "$list" ]; then sed -n 's/^deb /deb-src /p' "$list" > "$apt/parts/debian.list"; fi
+  if [ -e "$sources" ]; then sed 's/^Types: .*/Types: deb-src/' "$sources" > "$apt/parts/debian.sources"; fi
   (cd "$apt" && apt-get update -qq $options && apt-get source -qq --download-only $options flint)
   FLINT_SOURCE=$(echo "$apt"/flint_*.orig.tar.*)
 }
