@@ -64,8 +64,7 @@ lcpbench_room(generators
   LINK lcpbench_attack lcpbench_evaluation lcpbench_generators lcpbench_io lcpbench_study lcpbench_solver_list
     Threads::Threads
   DEFINE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md"
-    GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt"
-    HARD_CASES_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/hard-cases.md")
+    GOLDEN_HASHES="${CMAKE_CURRENT_SOURCE_DIR}/golden/hashes.txt")
 foreach(test changed random paper_generator rigid_generator planted_generator made rest sets to_problem hard)
   lcpbench_test(${test})
 endforeach()
