@@ -175,7 +175,7 @@ class MujocoEngine final : public Engine {
   /// J a - a_ref + R f >= 0. With a = (v+ - v) / h, times h, this is J v+ + b + R (h f) >= 0 with the offset
   /// b = -(J v + h a_ref). An elliptic cone is one contact with friction in the convex model: the same expression of
   /// its normal and its two tangential rows is in the dual cone. Friction loss, and torsional and rolling friction of
-  /// elliptic cones, are left out; a pyramid has edges for these frictions, too.
+  /// elliptic cones, act as the forces that MuJoCo found; a pyramid has edges for these frictions.
   void step_softly(Snapshot& snapshot) {
     const double h = step_length();
     const int nv = model_->nv;
@@ -187,16 +187,15 @@ class MujocoEngine final : public Engine {
     mj_mulM(model_.get(), data_.get(), momentum.data(), before.data());
     momentum += h * numbers(data_->qfrc_smooth, nv);
     for (int row = 0; row < data_->ne; ++row) momentum += J.row(row).transpose() * (target(row) / data_->efc_R[row]);
+    for (int row = data_->ne; row < data_->nefc; ++row) {
+      if (is_given_force(row)) momentum += J.row(row).transpose() * (h * data_->efc_force[row]);
+    }
     snapshot.blocks = coordinates.states(coordinates.accelerations(momentum));
     look_at_poses(snapshot);
     for (int row = data_->ne; row < data_->nefc; ++row) {
-      const int type = data_->efc_type[row];
-      if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) {
-        ++left_out_.friction_losses;
-        continue;
-      }
-      const int id = data_->efc_id[row];
-      const int dim = type == mjCNSTR_CONTACT_ELLIPTIC ? data_->contact[id].dim : 1;
+      if (is_given_force(row)) continue;
+      const int type = data_->efc_type[row], id = data_->efc_id[row];
+      const int count = type == mjCNSTR_CONTACT_ELLIPTIC ? std::min(data_->contact[id].dim, 3) : 1;
       ContactState edge;
       edge.edges = 0;
       edge.gap = data_->efc_pos[row];
@@ -208,9 +207,12 @@ class MujocoEngine final : public Engine {
         tell_pair(data_->contact[id], edge);
       }
       edge.impulse(0) = h * data_->efc_force[row];
-      edge.rows = coordinates.rows(J.middleRows(row, std::min(dim, 3)));
-      if (dim > 1) add_elliptic_friction(row, target, edge);
-      row += dim - 1;
+      RowMatrix rows = J.middleRows(row, count);
+      if (count > 1) {
+        rows.row(2) *= add_elliptic_friction(row, J, target, edge);
+        row += 2;
+      }
+      edge.rows = coordinates.rows(rows);
       snapshot.contacts.push_back(std::move(edge));
     }
     snapshot.velocity_after = coordinates.reduced(before + h * numbers(data_->qacc, nv));
@@ -218,19 +220,40 @@ class MujocoEngine final : public Engine {
     mj_Euler(model_.get(), data_.get());
   }
 
-  /// The problem has one coefficient of friction and one compliance along both tangents, and no other friction.
-  void add_elliptic_friction(int row, const Eigen::VectorXd& target, ContactState& to) {
+  /// Of a soft problem: friction loss of joints and tendons, and torsional and rolling friction of elliptic cones.
+  bool is_given_force(int row) const {
+    const int type = data_->efc_type[row];
+    if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) return true;
+    return type == mjCNSTR_CONTACT_ELLIPTIC && row - data_->contact[data_->efc_id[row]].efc_address > 2;
+  }
+
+  /// The problem has one coefficient of friction mu along both tangents: the second one is scaled by what is returned.
+  /// Torsional and rolling friction leave |(f_1, f_2)| <= mu sqrt(1 - share) f_0 of the cone |(f_i / mu_i)| <= f_0. A
+  /// contact that slides in it has u_0 = |(mu_i u_i)| in the whole cone, and (1 - share) of that in what is left.
+  double add_elliptic_friction(int row, const Eigen::Map<const RowMatrix>& J, const Eigen::VectorXd& target,
+                               ContactState& to) const {
     const mjContact& found = data_->contact[data_->efc_id[row]];
-    left_out_.add(found.dim);
-    if (found.friction[0] != found.friction[1]) ++left_out_.anisotropic;
+    const mjtNum* const force = data_->efc_force + row;
+    const double h = step_length(), ratio = found.friction[1] / found.friction[0];
+    double taken = 0, slip = 0;
+    for (int k = 1; k < found.dim; ++k) {
+      const double mu = found.friction[k - 1];
+      const double u = J.row(row + k).dot(numbers(data_->qacc, model_->nv)) - data_->efc_aref[row + k] +
+                       data_->efc_R[row + k] * force[k];
+      if (k > 2) taken += std::pow(force[k] / mu, 2);
+      slip += std::pow(mu * u, 2);
+    }
+    const double share = std::min(1.0, taken / std::max(force[0] * force[0], std::numeric_limits<double>::min()));
     to.edges = 4;
-    to.mu = found.friction[0];
+    to.mu = found.friction[0] * std::sqrt(1 - share);
+    to.offset -= h * share * std::sqrt(slip);
     to.compliance_t = data_->efc_R[row + 1];
-    to.offset_t = -target.segment<2>(row + 1);
-    for (int k = 1; k < 3; ++k) to.impulse(k) = step_length() * data_->efc_force[row + k];
+    to.offset_t = {-target(row + 1), -ratio * target(row + 2)};
+    to.impulse.tail<2>() = h * Eigen::Vector2d(force[1], force[2] / ratio);
     to.point = vector(found.pos);
     to.normal = vector(found.frame);
     to.tangent = vector(found.frame + 3);
+    return ratio;
   }
 
   void choose_solver() {
@@ -548,23 +571,18 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
-  /// How often the captured problems leave out what MuJoCo solves, over all steps; said at the end. Friction losses and
-  /// second coefficients are counted with Scene::soft only.
+  /// How often the captured problems with hard contacts leave out what MuJoCo solves, over all steps; said at the end.
   struct LeftOut {
-    long friction_losses = 0;
-    long torsional = 0, rolling = 0, anisotropic = 0;  ///< contacts, each once a step
+    long torsional = 0, rolling = 0;  ///< contacts, each once a step
 
-    /// A contact of `condim`: of soft contacts only elliptic ones, since a pyramid has edges for these frictions.
     void add(int condim) {
       if (condim > 3) ++torsional;
       if (condim > 4) ++rolling;
     }
     ~LeftOut() {
       std::string what;
-      for (const auto& [count, words] : {std::pair{friction_losses, "friction loss of joints and tendons"},
-                                         std::pair{torsional, "torsional friction of contacts (condim 4 or 6)"},
-                                         std::pair{rolling, "rolling friction of contacts (condim 6)"},
-                                         std::pair{anisotropic, "the second coefficient of friction of contacts"}}) {
+      for (const auto& [count, words] : {std::pair{torsional, "torsional friction of contacts (condim 4 or 6)"},
+                                         std::pair{rolling, "rolling friction of contacts (condim 6)"}}) {
         if (count > 0) what += fmt::format("{}{}: {}", what.empty() ? "" : "; ", words, count);
       }
       if (!what.empty()) fmt::print(stderr, "the captured problems leave out, counted over all steps: {}\n", what);

@@ -91,7 +91,10 @@ class Scenes:
         if not -len(self) <= k < len(self):
             raise IndexError(f"index is {k}, and there are {len(self)} steps")
         number, problem, fields = self._file.read(k % len(self))
-        return Step(Problem._of(problem), number, **fields)
+        result = Step(Problem._of(problem), number, **fields)
+        if self.engine == "MuJoCo" and np.any(result.problem.compliance_t):
+            result.problem._engine_model = "convex"
+        return result
 
     def step(self, number: int) -> Step:
         """The step with this number in the simulation; InputError names its neighbours where there is none."""

@@ -199,9 +199,10 @@ class Problem:
         TypeError: an argument holds no numbers.
     """
 
-    __slots__ = ("_data", "_contact_names", "engine_impulses")
+    __slots__ = ("_data", "_contact_names", "_engine_model", "engine_impulses")
     _data: _native.Problem
     _contact_names: list[str]  # for sentences: those of the Step that it is part of
+    _engine_model: str | None  # the friction that the engine solves, where it is not the problem's own
 
     def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
                  edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
@@ -209,7 +210,7 @@ class Problem:
                  lower: Any = None, upper: Any = None, friction_of: Any = None, name: str = "problem",
                  validate: bool = True) -> None:
         _name(name)
-        self._contact_names, self.engine_impulses = [], None
+        self._contact_names, self._engine_model, self.engine_impulses = [], None, None
         if M is not None or q is not None:
             others = dict(G=G, N=N, D=D, mu=mu if friction_of is None else None, v=v, b=b, edges=edges,
                           tangents=tangents, compliance_n=compliance_n,
@@ -267,7 +268,7 @@ class Problem:
     @classmethod
     def _of(cls, data: _native.Problem) -> Problem:
         result = cls.__new__(cls)
-        result._data, result._contact_names, result.engine_impulses = data, [], None
+        result._data, result._contact_names, result._engine_model, result.engine_impulses = data, [], None, None
         return result
 
     @classmethod

@@ -70,7 +70,8 @@ def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *
             engine that the step was captured from.
         velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
         model: "pyramid", the problem's own friction, "cone", the round Coulomb cone around its
-            tangents, or "convex", its convex relaxation. None: that of an Answer, else the pyramid.
+            tangents, or "convex", its convex relaxation. None: that of an Answer, or of the engine whose impulses are judged
+            (MuJoCo's elliptic cones are convex), else the pyramid.
         solved_at: the largest residual of a solved answer, in (0, 1]; None: 1e-4 of contacts, 1e-6 of a bare LCP.
 
     Returns:
@@ -82,7 +83,7 @@ def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *
     """
     problem = _problem(problem)
     if impulses is None:
-        impulses = problem.engine_impulses
+        impulses, model = problem.engine_impulses, model or problem._engine_model
     if isinstance(impulses, Answer):
         velocity = impulses._velocity if velocity is None else velocity
         model = impulses.model if model is None else model

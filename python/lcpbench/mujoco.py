@@ -240,7 +240,6 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
     rows = np.setdiff1d(rows, elliptic[place > 0], assume_unique=True)
     fixed = elliptic[place > 2]  # as the force that MuJoCo found
     if len(fixed):
-        _warn_of_friction(dims[of])
         momentum += h * (J[fixed].T @ force[fixed])
     normals = elliptic[place == 0]
     at, mu, compliance_t = np.searchsorted(rows, normals), np.zeros(len(rows)), np.zeros(len(rows))
@@ -251,9 +250,24 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
         along = normals + 1 + k
         T[at, k], offset[at, k] = ratio[:, None] * J[along], -ratio * target[along]
         impulses[at, 1 + k] = h * force[along] / ratio
+    b = -target[rows]
+    if len(fixed):
+        # Of the cone |(f_i / mu_i)| <= f_0 they leave |(f_1, f_2)| <= mu sqrt(1 - share) f_0. A contact that slides in it has
+        # u_0 = |(mu_i u_i)| in the whole cone, and (1 - share) of that in what is left.
+        starts, along = np.flatnonzero(place == 0), place > 0
+        u = J @ np.asarray(data.qacc) - np.asarray(data.efc_aref) + R * force
+        of_each, slip = np.zeros(len(elliptic)), np.zeros(len(elliptic))
+        of_each[place > 2] = force[fixed] / friction[of, place - 1][place > 2]
+        slip[along] = (friction[of, place - 1] * u[elliptic])[along]
+        squares, slip = np.add.reduceat(of_each**2, starts), np.sqrt(np.add.reduceat(slip**2, starts))
+        share = np.minimum(1, squares / np.maximum(force[normals] ** 2, np.finfo(float).tiny))
+        mu[at] *= np.sqrt(1 - share)
+        b[at] -= h * share * slip
     problem = Problem(G=blocks, N=_columns(J[rows]), tangents=_columns(T.reshape(-1, model.nv)), mu=mu,
-                      v=_solve(blocks, momentum), b=-target[rows], compliance_n=R[rows], compliance_t=compliance_t,
+                      v=_solve(blocks, momentum), b=b, compliance_n=R[rows], compliance_t=compliance_t,
                       offset_t=offset, name=name, validate=False)
+    if len(elliptic):
+        problem._engine_model = "convex"
     return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
                 velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), **_seen(model, data))
 
@@ -269,9 +283,9 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
         soft: the convex problem that MuJoCo itself solves: each edge of a pyramid, and each limit, is a contact without
-            friction that has the compliance efc_R; an elliptic cone is one with friction, whose torsional and rolling
-            friction act as the forces that MuJoCo found. Soft equality constraints are part of the inertia. `check`,
-            for elliptic cones with model="convex", then says how well MuJoCo solved its own model. Its velocity is that
+            friction that has the compliance efc_R; an elliptic cone is one with friction. Of torsional and
+            rolling friction (condim 4 and 6) the forces that MuJoCo found act, and the cone is what they leave of it. Soft equality constraints are part of the inertia. `check`
+            then says how well MuJoCo solved its own model. Its velocity is that
             of MuJoCo's acceleration, before an integrator takes damping implicitly.
         stepped: True: after `mj_step`. None: found from the velocities.
         name: of the problem.
