@@ -20,7 +20,7 @@ for python in "$@"; do
   venv=build/wheel/fresh
   rm -rf $venv
   "$python" -m venv $venv
-  $venv/bin/pip install -q numpy scipy
+  $venv/bin/pip install -q numpy scipy mujoco
   $venv/bin/pip install -q --no-index --find-links dist "lcpbench==$version" || stop "$python takes no wheel of dist/"
   bash tests/package/wheel_test.sh $venv/bin || stop "the wheel does not work in $venv"
 done

