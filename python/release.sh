@@ -31,5 +31,6 @@ build/wheel/tools/bin/python -m build --sdist --outdir dist
 cp build/release/packages/*.deb dist
 for file in dist/*; do [[ $file == *[_-]$version* ]] || stop "$file is not of version $version"; done
 (cd dist && sha256sum -- * > SHA256SUMS)
+! grep -q OWNER CITATION.cff || say "CITATION.cff has OWNER for an account yet: put yours there first, and run this again."
 say "dist/ has the release:" "$(ls dist)" "" \
   "Next: git tag -s v$version && git push origin v$version, which starts .github/workflows/wheels.yml and its upload."

@@ -67,6 +67,6 @@ build_wheel() {  # PYTHON
   auditwheel repair -w dist "$work"/out/*.whl
 }
 
-if [ "$1" = program ] || [ ! -e "$work/root/licenses/libgmp10" ]; then build_program; fi
+build_program
 if [ "$1" = program ]; then exit; fi
 for python in "$@"; do build_wheel "$python"; done
