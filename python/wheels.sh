@@ -17,8 +17,8 @@ mkdir -p "$work"
 fetch_flint() {
   local apt="$work/apt" options
   options="-o APT::Sandbox::User=root -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts=$apt/parts -o Dir::State::Lists=$apt/lists"
-  mkdir -p "$apt/lists/partial" "$apt/parts"
   local list=/etc/apt/sources.list sources=/etc/apt/sources.list.d/debian.sources  # Debian 12 has one of them
+  mkdir -p "$apt/lists/partial" "$apt/parts"
   if [ -e "$list" ]; then sed -n 's/^deb /deb-src /p' "$list" > "$apt/parts/debian.list"; fi
   if [ -e "$sources" ]; then sed 's/^Types: .*/Types: deb-src/' "$sources" > "$apt/parts/debian.sources"; fi
   (cd "$apt" && apt-get update -qq $options && apt-get source -qq --download-only $options flint)
@@ -68,5 +68,4 @@ build_wheel() {  # PYTHON
 }
 
 build_program
-if [ "$1" = program ]; then exit; fi
-for python in "$@"; do build_wheel "$python"; done
+[ "$1" = program ] || for python in "$@"; do build_wheel "$python"; done
