@@ -17,9 +17,7 @@ int run_report(const ReportArguments& arguments) {
   if (arguments.out.empty()) throw InputError("--out '': names no folder");
   std::vector<ReplayedFiles> replays;
   if (!arguments.replay.empty()) replays = read_replays(arguments.replay);
-  Store store = Store::open_for_reading(arguments.store);
-  print_notice(store);
-  store.check(told_on_stderr(), Checked::kAroundAnswers);
+  Store store = open_checked(arguments.store);
   const Coverage coverage = write_report(store, arguments.out, replays);
   say(stdout, "{}\n", printable((arguments.out / "report.html").string()));
   std::fflush(stdout);

@@ -61,7 +61,7 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
   // A store whose log is missing has lost rows: only its writer's good end may take the log away.
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-  add_row_functions(handle_);
+  add_row_checksum(handle_);
 }
 
 Database::~Database() { sqlite3_close(handle_); }

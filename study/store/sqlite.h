@@ -64,24 +64,6 @@ class ReadSnapshot {
   sqlite3* handle_ = nullptr;  // nullptr where a transaction was open
 };
 
-/// Reads columns of a row, which is a Statement or a RowCopy, in their order: numbers, bool, std::string.
-/// @returns the column after them
-template <class Row, class... Targets>
-int read_columns(const Row& row, int first_column, Targets&... targets) {
-  int column = first_column;
-  const auto read = [&]<class Target>(Target& target) {
-    if constexpr (std::is_same_v<Target, std::string>) {
-      target = row.text(column++);
-    } else if constexpr (std::is_same_v<Target, double>) {
-      target = row.real(column++);
-    } else {
-      target = static_cast<Target>(row.integer(column++));
-    }
-  };
-  (read(targets), ...);
-  return column;
-}
-
 /// Bytes, as against text.
 struct Blob {
   std::string_view bytes;
@@ -130,9 +112,12 @@ class Statement {
     reset();
   }
 
+  /// Reads columns in their order: numbers, bool, std::string. @returns the column after them
   template <class... Targets>
   int read(int first_column, Targets&... targets) const {
-    return read_columns(*this, first_column, targets...);
+    int column = first_column;
+    (read_one(column++, targets), ...);
+    return column;
   }
   bool is_null(int column) const;
   std::int64_t integer(int column) const;
@@ -142,9 +127,18 @@ class Statement {
   std::string_view text(int column) const;
   std::string_view blob(int column) const;
   int columns() const;
-  sqlite3_stmt* handle() const { return statement_; }
 
  private:
+  template <class Target>
+  void read_one(int column, Target& target) const {
+    if constexpr (std::is_same_v<Target, std::string>) {
+      target = text(column);
+    } else if constexpr (std::is_same_v<Target, double>) {
+      target = real(column);
+    } else {
+      target = static_cast<Target>(integer(column));
+    }
+  }
   void check(int code) const;
   void bind_integer(int parameter, std::int64_t value);
   void bind_null(int parameter);

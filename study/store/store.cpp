@@ -126,11 +126,11 @@ std::string lost_rows(Database& database, bool log) {
                      log ? "" : fmt::format(", and {}-wal is not beside the store", database.file().string()));
 }
 
-void check_all(Database& database, const Waiting& waiting, Checked which = Checked::kAll) {
+void check_all(Database& database, const Waiting& waiting) {
   std::error_code ignored;
   const bool is_large = std::filesystem::file_size(database.file(), ignored) >= waiting.tell_bytes;
   if (is_large && waiting.tell) waiting.tell("reading and checking every row of " + database.file().string());
-  check_content(database, which);
+  check_content(database);
 }
 
 /// From now on the store can be read while it is written. The change itself needs a moment without readers.
@@ -236,7 +236,7 @@ void Store::remove(const std::filesystem::path& file) {
 }
 
 const std::string& Store::notice() const { return data_->notice; }
-void Store::check(const Waiting& waiting, Checked which) { check_all(data_->database, waiting, which); }
+void Store::check(const Waiting& waiting) { check_all(data_->database, waiting); }
 
 void Store::begin() { data_->database.execute("BEGIN IMMEDIATE"); }
 void Store::commit() { data_->database.execute("COMMIT"); }

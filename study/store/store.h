@@ -122,12 +122,6 @@ struct Waiting {
   std::chrono::milliseconds reader_patience{std::chrono::minutes(5)};
 };
 
-/// Which rows a check reads.
-enum class Checked {
-  kAll,            ///< every row, and the structure of the file
-  kAroundAnswers,  ///< all rows but answers, vectors and proofs, which an AnswerScan checks as it reads them
-};
-
 /// A study's store: one SQLite file in WAL mode, written in whole transactions. What is committed survives the end of
 /// the process at any moment. Not thread-safe: one thread writes.
 class Store {
@@ -174,14 +168,14 @@ class Store {
   /// Provenance of every run, JSON texts, oldest first.
   std::vector<std::string> runs();
   /// Every distinct answer, or every one to the problems of a set, in order of problem, solver, part, as AnswerScan
-  /// reads them: each row is checked.
+  /// reads them.
   void for_each_answer(const std::function<void(const StoredAnswer&)>& visit,
                        const std::optional<std::int64_t>& set_id = std::nullopt);
   /// The answer of one parameterisation as the solver gave it, bit for bit; nullopt when there is none.
   std::optional<Answer> answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell = 0);
 
-  /// Reads rows and checks that they are what was written. @throws InputError that names file, table and row.
-  void check(const Waiting& waiting = {}, Checked which = Checked::kAll);
+  /// Reads every row and checks that it is what was written. @throws InputError that names file, table and row.
+  void check(const Waiting& waiting = {});
   /// One line for the user: rows that the store has lost before it was opened. "" for none.
   const std::string& notice() const;
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "study/store/sqlite.h"
-#include "study/store/store.h"
 
 // Whether a file is a store that can be trusted.
 
@@ -30,11 +29,10 @@ void check_application(sqlite::Database& database);
 /// store: a foreign trigger or view could change what is read and written.
 void check_format(sqlite::Database& database);
 
-/// Reads the whole store, or what an AnswerScan relies on: each row has the content that was written (see
-/// study/store/row_checksum.h), each row that was written is there (see study/store/totals.h), rows that belong
-/// together are there together, and the file's structure is sound. @throws InputError that names the file, the table and
-/// the row.
-void check_content(sqlite::Database& database, Checked which = Checked::kAll);
+/// Reads the whole store: each row has the content that was written (see study/store/row_checksum.h), each row that was
+/// written is there (see study/store/totals.h), rows that belong together are there together, and the file's structure
+/// is sound. @throws InputError that names the file, the table and the row.
+void check_content(sqlite::Database& database);
 
 /// The id of a group of cells: a hash of their numbers, ascending.
 std::int64_t cell_group_id(const std::vector<std::uint32_t>& cells);

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <set>
-#include <string>
-
 #include "study/store/sqlite.h"
 
 // The table `totals` of a store says for each other table how many rows it has, and the sum of their checksums modulo
@@ -19,20 +15,7 @@ void count_totals(sqlite::Database& database);
 /// triggers that only this connection has. What other connections change is not counted.
 void keep_totals(sqlite::Database& database);
 
-/// The number of rows of a table, and the sum of their checksums.
-struct Total {
-  void add(std::int64_t checksum);
-  bool operator==(const Total&) const = default;
-
-  std::int64_t rows = 0;
-  std::int64_t digest = 0;
-};
-
-/// @throws InputError that names file and table unless this is what was counted.
-void check_total(sqlite::Database& database, const std::string& table, const Total& found);
-
-/// @param left_out  tables that are not counted
 /// @throws InputError that names the file and the first table whose rows are not those that were counted.
-void check_totals(sqlite::Database& database, const std::set<std::string>& left_out = {});
+void check_totals(sqlite::Database& database);
 
 }  // namespace lcpbench

