@@ -24,7 +24,7 @@ struct Row {
   std::array<double, kFeatures> solve;  ///< of log2(weighted work of a solve)
 };
 
-// Fitted by study/measure/auto_fit.py, see results/auto/README.md.
+// Fitted by native/auto/measure/auto_fit.py, see results/auto/README.md.
 #include "native/auto/prediction_rows.inc"
 
 /// kSweeps: psor without friction.

@@ -2,7 +2,7 @@
 #
 #   core  <-  generators, native, adapters  <-  study        tests may include everything
 #   core  <-  study/evaluation  <-  study
-#   study/measure, programs that are no part of the tool, may include native/ too
+#   native/auto/measure, programs that are no part of the tool, may include generators/ too
 #
 # Within a layer no folder may include itself by way of others. Files that lie directly in a layer are in no folder.
 #
@@ -32,8 +32,8 @@ foreach(layer core generators native adapters study)
   foreach(file IN LISTS files)
     math(EXPR seen "${seen} + 1")
     set(allowed ${allowed_${layer}})
-    if(file MATCHES "^study/measure/")
-      list(APPEND allowed native)
+    if(file MATCHES "^native/auto/measure/")
+      list(APPEND allowed generators)
     endif()
     if(file MATCHES "^study/evaluation/")
       set(allowed ${allowed_evaluation})

@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def fit(table):
-    command = [sys.executable, str(ROOT / "study/measure/auto_fit.py"), "fit", str(table)]
+    command = [sys.executable, str(ROOT / "native/auto/measure/auto_fit.py"), "fit", str(table)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
