@@ -16,9 +16,9 @@
 #include "core/entries.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
+#include "core/parallel_work.h"
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
-#include "study/store/parallel_work.h"
 
 namespace lcpbench {
 namespace {
@@ -155,7 +155,7 @@ CertifyOutcome certify_store(Store& store, const CertifyRun& run) {
   outcome.total = static_cast<std::int64_t>(tasks.size());
 
   const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(run.jobs), tasks.size()));
-  ParallelWork<Result> work(store);
+  ParallelWork<Result, Store> work(store);
   std::atomic<std::size_t> next{0};
   for (int i = 0; i < jobs; ++i) {
     work.start([&] {

@@ -13,11 +13,11 @@
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
+#include "core/parallel_work.h"
 #include "core/warm_start.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/inspect/rigid_bodies.h"
-#include "study/store/parallel_work.h"
 #include "study/run/work_queue.h"
 #include "study/store/vector_codec.h"
 
@@ -39,7 +39,7 @@ struct Batch {
   std::optional<CertificateRow> certificate;  ///< found because an answer denied a solution
 };
 
-using Work = ParallelWork<Batch>;
+using Work = ParallelWork<Batch, Store>;
 
 /// Makes rows of the answers to one problem, with their vectors, and of the certificate that one of them led to.
 class RowMaker {

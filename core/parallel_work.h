@@ -11,13 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "study/store/store.h"
-
 namespace lcpbench {
 
 /// Threads that produce results, and the calling thread, which alone writes them to the store. A transaction is
 /// committed after about a second: that much a kill can lose. The runner and the certifier of stores share it.
-template <class Result>
+/// @tparam Store  has begin() and commit()
+template <class Result, class Store>
 class ParallelWork {
  public:
   explicit ParallelWork(Store& store) : store_(store) {}
