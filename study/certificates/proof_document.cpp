@@ -13,20 +13,9 @@
 namespace lcpbench {
 namespace {
 
-/// The problem file without its line breaks and indentation. Strings are not changed: line breaks in them are escaped.
-std::string on_one_line(const std::string& problem_file) {
-  std::string line;
-  bool indenting = false;
-  for (const char c : problem_file) {
-    indenting = c == '\n' || (indenting && c == ' ');
-    if (!indenting) line += c;
-  }
-  return line;
-}
-
 std::string problem_text(const Problem& problem) {
-  if (problem.kind() != ProblemKind::kScene) return on_one_line(problem_json(problem));
-  return on_one_line(problem_json(Problem(problem.name(), *problem.contact())));
+  if (problem.kind() != ProblemKind::kScene) return problem_json_line(problem, true);
+  return problem_json_line(Problem(problem.name(), *problem.contact()), true);
 }
 
 Json exact_json(const ExactVector& vector) {
