@@ -1,5 +1,7 @@
 #include "study/store/sqlite.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <stdexcept>
 
@@ -29,20 +31,9 @@ int open_flags(Mode mode) {
   return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
 }
 
-bool mendable(int primary_code) {
-  switch (primary_code) {
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-    case SQLITE_READONLY:
-    case SQLITE_IOERR:
-    case SQLITE_CORRUPT:
-    case SQLITE_FULL:
-    case SQLITE_CANTOPEN:
-    case SQLITE_PERM:
-    case SQLITE_NOTADB: return true;
-    default: return false;
-  }
-}
+/// Primary result codes of errors that a user can mend.
+constexpr std::array kMendable{SQLITE_BUSY, SQLITE_LOCKED,   SQLITE_READONLY, SQLITE_IOERR, SQLITE_CORRUPT,
+                               SQLITE_FULL, SQLITE_CANTOPEN, SQLITE_PERM,     SQLITE_NOTADB};
 
 }  // namespace
 
@@ -77,7 +68,7 @@ void Database::fail(int code) const {
   // A file that is damaged can claim rows of any size, and a format that SQLite does not know.
   const bool damaged = primary == SQLITE_CORRUPT || primary == SQLITE_TOOBIG || cause == "unsupported file format";
   if (damaged) throw InputError(file_.string() + ": the store is damaged: " + cause);
-  if (mendable(primary)) throw InputError(file_.string() + ": " + cause);
+  if (std::ranges::find(kMendable, primary) != kMendable.end()) throw InputError(file_.string() + ": " + cause);
   throw std::runtime_error(file_.string() + ": " + cause);
 }
 
