@@ -1,7 +1,6 @@
 #include "study/evaluation/contact_evaluation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "study/evaluation/returned_velocity.h"

@@ -1,7 +1,5 @@
 #include "study/evaluation/returned_velocity.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace lcpbench {

@@ -5,26 +5,13 @@
 namespace lcpbench {
 
 const char* to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kSolved: return "solved";
-    case Verdict::kWrong: return "wrong";
-    case Verdict::kUnsolvable: return "unsolvable";
-    case Verdict::kRefused: return "refused";
-    case Verdict::kMissed: return "missed";
-    case Verdict::kOpen: return "open";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"solved", "wrong", "unsolvable", "refused", "missed", "open"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 const char* to_string(Truth truth) {
-  switch (truth) {
-    case Truth::kUnknown:
-    case Truth::kAnswered: return "unknown";
-    case Truth::kSolvable: return "solvable";
-    case Truth::kUnsolvable: return "unsolvable";
-    case Truth::kNearly: return "nearly";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"unknown", "solvable", "unsolvable", "nearly", "unknown"};
+  return kNames[static_cast<std::size_t>(truth)];
 }
 
 void Findings::add(const Judgement& judgement) {

@@ -1,8 +1,6 @@
 #include "study/shrink/failure.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 #include <unordered_set>
-#include <utility>
 #include <vector>
 
 #include "core/entries.h"
