@@ -39,26 +39,8 @@ struct ExactVector {
 };
 
 /// The certified truth of one problem. Exact vectors are in the units of the problem (N s, m/s); that of kFarkas may be
-/// scaled by any positive number.
-///
-/// What is proven, with C = [N D], f = [f_N; f_D] the impulses in z, q = C'v + [b; 0], and p, the "potential", the
-/// change of velocity in some coordinates:
-///  - p solves K p = B f, and w_N = N'v+ + b, w_D = D'v+ + lambda, where
-///      G given:        K = G,               B = C,    v+ = v + p      (p has ngc entries)
-///      factors given:  K = (X'X) A (X'X),   B = X'C,  v+ = v + X p    (G = X A X', A = diag(alpha), factors of alpha
-///                      0 left out; p has an entry for each of the others)
-///      Ginv given:     no system: p = Ginv C f,  B = C,  v+ = v + p
-///  - exact basis:  f, lambda >= 0; w >= 0; z_j w_j = 0 for every j. The w of the cone row of contact i is mu_i f_N,i
-///    less the sum of its f_D.
-///  - Farkas, contact problem: u = exact_farkas has the length of f; u >= 0, B u = 0 (Ginv given: Ginv C u = 0), every
-///    contact's friction parts are 0, and q'u < 0.
-///  - Farkas, bare LCP: y = exact_farkas has n entries: y >= 0, M'y <= 0, q'y < 0.
-///  - lp: d = exact_farkas has the length of p, and w = q + C'R d, R = X where factors are given, else I, satisfies
-///    for every contact i w_N,i >= mu_i * max(0, max over its friction rows of -w_D): no f in the friction cones with
-///    B f = 0 has q'f < 0. G is positive semidefinite (Ginv definite) and mu >= 0, so that a solution exists.
-///  - Soft contacts: compliance_n f_N is added to w_N, tangential offsets and compliance to w_D, and so to q and M.
-///    Farkas: u_i = 0 where compliance_n > 0. lp: nothing is asked of contacts with compliance_n > 0, and only w_N >= 0
-///    of others with compliance_t > 0.
+/// scaled by any positive number. docs/explanation/certificates.md says what each of them proves, and what the
+/// potential p is.
 struct Certificate {
   CertificateKind kind = CertificateKind::kOpen;
   ProofKind proof = ProofKind::kNone;
@@ -67,7 +49,7 @@ struct Certificate {
   std::optional<bool> velocity_unique;  ///< true: every solution has this velocity; false: another is certified
   Vector farkas;                        ///< exact_farkas scaled to a largest entry of 1 and rounded, for display
   ExactVector exact_z;                  ///< n
-  ExactVector exact_potential;          ///< p above; empty for bare LCPs
+  ExactVector exact_potential;          ///< p; empty for bare LCPs
   ExactVector exact_velocity;           ///< ngc: v+; empty for bare LCPs
   ExactVector exact_farkas;             ///< the proof of kFarkas or kLp
   ExactVector exact_other_z;            ///< where velocity_unique is false: a second solution

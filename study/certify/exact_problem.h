@@ -37,7 +37,7 @@ struct ExactSystem {
 };
 
 /// The system of a problem, and what is proven of its inertia. With C = [N D], the inertia is K p = B f for impulses f,
-/// and the change of velocity is Y p; study/certify/certificate.h has K, B and Y of each form.
+/// and the change of velocity is Y p; docs/explanation/certificates.md has them for each form.
 struct ExactProblem {
   /// @throws TimePassed
   ExactProblem(const Problem& problem, const Deadline& deadline);

@@ -42,44 +42,28 @@ struct WorstCoordinate {
 };
 
 /// The error measures of one answer, all from the raw data in 113-bit arithmetic, by code that knows no solver.
+/// docs/explanation/verdicts.md defines them all.
 ///
-/// v+ = v + G* (N f_N + D f_D) is recomputed from z. w is the complement of z: N'v+ + b [m/s], D'v+ + lambda [m/s], and
-/// mu f_N less the sum of the contact's f_D [N s]. Quotients follow 0/0 = 0 and x/0 = infinity.
 /// NaN: the measure does not apply (no contact data), or z is no answer (empty, wrong length, not finite), or the
 /// problem's data are not finite. Infinity: the measure exceeds the largest double.
 struct Errors {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-  /// r: the largest |min(M_ii z_i, w_i)| of the normal and friction rows and |min(lambda_i, M_nn,ii w_i)| of the cone
-  /// rows, M_nn,ii being the diagonal entry of the contact's normal row. Where M_ii = 0 the impulse moves nothing, and
-  /// only w_i >= 0 is asked for.
-  double velocity_residual_m_per_s = kNone;
-  /// rho, the verdict's measure of contact problems: the largest of the islands' quotients r_I / scale_I. r_I is the
-  /// largest entry of r among the island's rows; scale_I = max(max|q_i|, floor / 1e-4) over the same rows, floor being
-  /// the largest error of forming a q_i in double, (k_i + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074) with k_i nonzero
-  /// entries in J_i and b_i.
-  double velocity_residual_relative = kNone;
-  /// The largest residual of the round Coulomb cone's conditions, whatever model was solved: the error of model and
-  /// solver together, see measure_friction(). NaN without friction, and where the friction directions name no cone.
+  double velocity_residual_m_per_s = kNone;   ///< r, the largest residual of all rows
+  double velocity_residual_relative = kNone;  ///< rho, the verdict's measure of contact problems
+  /// The largest residual of the round Coulomb cone's conditions, whatever model was solved. NaN without friction, and
+  /// where the friction directions name no cone.
   double model_error_m_per_s = kNone;
-  double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  /// The verdict's measure of bare LCPs, see lcp_error(): the largest |min(c_i z_i, w_i)| / (|q_i| + c_i max|z|);
-  /// of mixed ones mid(c_i (z_i - lower_i), c_i (z_i - upper_i), w_i) in place of the minimum, see lcp_error().
-  double backward_row_norm = kNone;
-  double forward_velocity = kNone;        ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
+  double natural_residual = kNone;   ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
+  double backward_row_norm = kNone;  ///< eta, the verdict's measure of bare LCPs, see lcp_error()
+  double forward_velocity = kNone;   ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
   /// (|G| (|u| + |v|) + |J| f)_i, the scale of rounding in it. 1e-16 is rounding; above 1e-9 u and z are two answers.
   /// Singular G: G (v+ - v) stands for J f, and the part of u - v outside the range of G, relative to max|u| + max|v|,
   /// counts too. Only G* known: |u - v - G* J f|_i relative to (|u| + |v| + |G*| |J| f)_i.
   /// NaN where no velocity came back; infinity for a velocity of another length or not finite.
   double velocity_mismatch = kNone;
-  /// The part of the verdict that a returned velocity u decides: the largest |u - v+|_i / scale_i of the coordinates.
-  /// scale_i is |v|_i + |v+ - v|_i, or where the quotient then exceeds 1e-4,
-  /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4, with
-  /// rounding_i = (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074) + solving_i,
-  /// solving_i = min(m 2^-53 (|G*| |G| |c|)_i, 1e-4 max_j(sqrt(G_jj) |c_j|) / sqrt(G_ii)), c = v+ - v,
-  /// over the coordinate's island, m its coordinates, k its impulses f_j that are not zero; without the terms in v and
-  /// G where only G* is known. NaN where no velocity came back; infinity for one of another length or not finite.
+  /// The part of the verdict that a returned velocity decides. NaN and infinity as of velocity_mismatch.
   double returned_velocity_error = kNone;
   double violation_m_per_s = kNone;  ///< max(0, -min(N'v+ + b))
   /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.
@@ -88,8 +72,7 @@ struct Errors {
   double complementarity_j = kNone;  ///< z'w
   double cone_violation = kNone;     ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
   double min_z = kNone;              ///< 0 for n = 0
-  /// Of the convex model about |v+ - v*|_G / |v+ - v|_G or more, v* the only optimum's: see measure_friction().
-  double optimum_distance = kNone;
+  double optimum_distance = kNone;   ///< of the convex model about |v+ - v*|_G / |v+ - v|_G or more
   /// Of a valid proof u that came with an answer to a contact problem, -u'(N'v + b) / sum(u): no impulses violate all
   /// contacts by less. Rounded down.
   double least_violation_m_per_s = kNone;
@@ -282,17 +265,9 @@ class Evaluator {
   /// errors(answer).forward_velocity at a small part of its cost.
   double forward_velocity(const Answer& answer);
 
-  /// kSolvable when theory proves it from the data, else kUnknown; kUnsolvable needs a proof, see check_farkas.
-  ///
-  /// Contact problem with mu >= 0, b >= 0 and G (or the given G*) proven positive definite here: solvable
-  /// for any rank of N and D. M is copositive, z'M z = 0 forces J f = 0 and so q'z = b'f_N >= 0, and a copositive LCP
-  /// whose q is nonnegative on the solutions of LCP(0, M) is solvable. [Anitescu, Potra 1997; Cottle, Pang, Stone 1992,
-  /// Thm 3.8.6]
-  /// Contact problem with mu >= 0 whose contacts all yield, r_n > 0: solvable, whatever G and b are; a given G* has to
-  /// be positive semidefinite in exact arithmetic.
-  /// Bare LCP of at most 64 rows: M + M' proven positive definite in the same way. [ibid., Thm 3.1.6] A
-  /// mixed one, too, unless it has rows of friction: it is a variational inequality on a box. [Facchinei, Pang 2003,
-  /// Thm 2.3.3]
+  /// kSolvable when theory proves it from the data, else kUnknown; kUnsolvable needs a proof, see check_farkas().
+  /// docs/explanation/verdicts.md names the theorems. A positive definite G is proven so here, and so is M + M' of a
+  /// bare LCP of at most 64 rows.
   Truth truth() const;
 
   /// True when u (nc entries, >= 0) proves in exact dyadic arithmetic that the contact problem has no solution:

@@ -9,11 +9,6 @@ namespace lcpbench {
 /// of a group; vector content), so that stores written apart merge by INSERT OR IGNORE and equal runs hold equal rows
 /// but for `timings` and `runs`.
 ///
-/// A solver has one cell (parameterisation), a sweep has many. Cells of a sweep that answered a problem alike, bit for
-/// bit, and by the same model of friction, share one row of `answers`, `verdicts` and `timings`: `part` is the lowest
-/// of their numbers, `cell_groups` lists them all, once for each distinct group. The groups of one solver's answers to
-/// one problem hold each cell once.
-///
 /// Verdicts need every answer to a problem (one solver's solution proves solvable what another missed), so `verdicts`
 /// holds what one answer shows by itself; the view `judged` adds the problem's truth and gives claim and verdict side
 /// by side. Nothing of it needs a solver to run again: `vectors` keeps every answer exactly.
