@@ -68,7 +68,9 @@ static inline int lcpbench_capture_body(lcpbench_capture* c, double mass, const 
 
 /* A contact of two bodies, either of which may be -1, the world; returns its index. The normal is a unit vector from
  * body_b into body_a, the tangent a unit vector orthogonal to it: the first friction direction. edges: 4, or 0 for a
- * frictionless contact, whose tangent may be NULL. b: the offset of the normal row, w = normal velocity + b [m/s]: 0
+ * frictionless contact, whose tangent may be NULL. Four edges are the pyramid |t1| + |t2| <= mu f_N. A solver that limits
+ * each tangent by itself, |t1| <= mu f_N and |t2| <= mu f_N, has the pyramid of the tangents turned by 45 degrees:
+ * give (t1 + t2) / sqrt(2) as tangent, sqrt(2) mu, and the impulses along (t1 + t2) / sqrt(2), (t2 - t1) / sqrt(2). b: the offset of the normal row, w = normal velocity + b [m/s]: 0
  * where there is neither restitution nor a gap. id: a name that the contact keeps from step to step, or NULL. */
 static inline int lcpbench_capture_contact(lcpbench_capture* c, int body_a, int body_b, const double point[3],
                                            const double normal[3], const double tangent[3], double mu, int edges,

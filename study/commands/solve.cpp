@@ -2,9 +2,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "adapters/worker/worker_client.h"
 #include "core/io/scenes_file.h"
+#include "core/round_cone.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/commands/commands.h"
@@ -13,6 +15,7 @@
 #include "study/commands/solve_total.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
+#include "study/models/pyramid.h"
 #include "study/output/columns.h"
 #include "study/output/solution_text.h"
 #include "study/report/sets.h"
@@ -152,6 +155,31 @@ double proven_violation_m_per_s(const Problem& problem, const Judge& judge, cons
   return largest;
 }
 
+/// Whether a false answer solves, or comes much nearer to, the same contacts with a box of friction: each tangent limited
+/// by itself, as usual engines do it. A box is the pyramid of 4 edges turned by 45 degrees, with sqrt(2) mu.
+std::string box_words(const Problem& problem, const Attempt& attempt) {
+  constexpr double kMuchNearer = 0.1;
+  const ContactProblem* const contact = problem.contact();
+  const Errors& errors = attempt.judgement.errors;
+  const bool fits = attempt.verdict == Verdict::kWrong && attempt.model == FrictionModel::kPyramid && errors.usable &&
+                    !errors.solved && contact != nullptr && cols(contact->D) > 0 && why_no_round_cone(*contact).empty() &&
+                    std::ranges::all_of(contact->edges, [](int edges) { return edges == 0 || edges == 4; });
+  if (!fits) return "";
+  const auto angles = [&](double angle) { return std::vector(contact->edges.size(), angle); };
+  const TangentImpulses given = tangent_impulses(*contact, 4, angles(0), attempt.timed.answer.z);
+  ContactProblem box = with_pyramid(*contact, 4, angles(std::numbers::pi / 4));
+  box.mu *= std::numbers::sqrt2;
+  Answer answer;
+  answer.z = pyramid_impulses(box, {given.normal, (given.first + given.second) / std::numbers::sqrt2,
+                                    (given.second - given.first) / std::numbers::sqrt2});
+  const double residual = Evaluator({problem.name(), box}).errors(answer).measure();
+  if (!(residual <= std::max(errors.limit, kMuchNearer * errors.measure()))) return "";
+  return fmt::format(
+      " With a box of friction, |t1| <= mu f_N and |t2| <= mu f_N, its residual is {:.3g}: the problem has the pyramid "
+      "|t1| + |t2| <= mu f_N. Write tangents turned by 45 degrees and sqrt(2) mu to compare it by its own friction.",
+      residual);
+}
+
 /// Right answers first, then honest failures, then false claims, then refusals.
 int rank(const Attempt& attempt) {
   if (attempt.timed.answer.claim == Claim::kUnsupported) return 4;
@@ -199,6 +227,7 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     if (each.verdict == Verdict::kSolved) continue;
     each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by,
                                         each.truth, each.model, contact_names(file)});
+    each.why += box_words(problem, each);
   }
   std::ranges::stable_sort(attempts, {}, [](const Attempt& each) { return std::pair(rank(each), each.time_s()); });
   return attempts;

@@ -320,6 +320,23 @@ TEST_F(CommandLineTest, SolveSaysWhereThePyramidIsTooCoarse) {
   EXPECT_EQ(solve(1.2, 0).find("--max-velocity-error"), std::string::npos);  // along an edge the pyramid is the cone
 }
 
+/// The usual engine limits each tangent by itself: 0.5 N s each, where the pyramid allows that of their sum.
+TEST_F(CommandLineTest, SolveSaysWhichAnswersFitABoxOfFriction) {
+  const auto reason = [&](const std::string& answer) {
+    write("box.scenes", R"({"format":"lcpbench-scenes","version":1,"scene":"s","engine":"E","engine_version":"1"})"
+                        "\n"
+                        R"({"step":3,"problem":{"format":"lcpbench-problem","version":1,"name":"p","kind":"contact",)"
+                        R"("v":[1,1,-1],"N":[[0],[0],[1]],"D":[[1,0,-1,0],[0,1,0,-1],[0,0,0,0]],"edges":[4],)"
+                        R"("mu":[0.5],"G":[[1,0,0],[0,1,0],[0,0,1]]},"engine":{"impulses":)" +
+                            answer + "}}\n");
+    return run_json("solve box.scenes --solver engine")[0]["why"].get<std::string>();
+  };
+  const std::string box = reason("[1, 0,0,0.5,0.5]");
+  EXPECT_TRUE(contains(box, "With a box of friction") && contains(box, "turned by 45 degrees and sqrt(2) mu")) << box;
+  EXPECT_FALSE(contains(reason("[1, 0,0,0.6,0.5]"), "box"));  // nor is it a box's
+  EXPECT_EQ(reason("[1, 0,0,0.5,0]"), "");
+}
+
 TEST_F(CommandLineTest, AMixedLcpIsSolvedAndJudgedByItsBounds) {
   std::ofstream(folder_ / "box.json") << R"({"format":"lcpbench-problem","version":1,"name":"b","kind":"lcp",)"
                                       << R"("M":[[1,0],[0,1]],"q":[-1,3],"friction_of":[null,0],"mu":[null,0.5]})";
