@@ -242,7 +242,14 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
                         *plan.budget_s);
   }
   say(stdout, "{}", end_text(store, report, head, file, arguments.all));
-  return kExitDone;
+  constexpr std::size_t kMostNamed = 10;
+  for (std::size_t i = 0; i < std::min(outcome.left_out.size(), kMostNamed); ++i) {
+    say(stderr, "lcpbench: left out: {}\n", outcome.left_out[i]);
+  }
+  if (outcome.left_out.size() > kMostNamed) {
+    say(stderr, "lcpbench: left out as well: {}\n", counted_noun(outcome.left_out.size() - kMostNamed, "problem"));
+  }
+  return outcome.left_out.empty() ? kExitDone : kExitBadInput;
 }
 
 constexpr double kMegabyte = 1 << 20;
@@ -353,7 +360,8 @@ int run(const RunArguments& arguments) {
 
   std::vector<std::string> named;
   for (const StudySolver& solver : study.solvers) {
-    if (!arguments.solvers.empty()) named.push_back(solver.row.text());
+    if (arguments.solvers.empty() || std::ranges::find(named, solver.row.text()) != named.end()) continue;
+    named.push_back(solver.row.text());
   }
   options.stop = catch_interrupts(kExitInterrupted);
   double bytes = 0;
@@ -423,6 +431,7 @@ Action add_run_command(CLI::App& command) {
   command.add_flag("--long", arguments->all, "show the results of every set and solver before the answer");
   add_output_options(command, arguments->json);
   command.footer(
+      "A problem that cannot be read is left out and named at the end (exit code 2). "
       "Every finished cell (set x trial x solver) is kept: an interrupted run goes on where it stopped. Ctrl-C "
       "saves and ends (exit code 3); a second Ctrl-C ends at once. docs/reference/plans.md documents plan files.");
   return [arguments] { return run(*arguments); };

@@ -96,6 +96,7 @@ bool solve_all(const Study& study, Store& store, bool kept, std::optional<int> j
     line.show(fmt::format("{} of {} answers", format_count(progress.done), format_count(progress.total)));
   };
   const RunOutcome outcome = run_study(study, store, options);
+  if (!outcome.left_out.empty()) throw InputError(outcome.left_out.front());
   return outcome.end == RunEnd::kComplete;
 }
 

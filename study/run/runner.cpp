@@ -37,6 +37,8 @@ struct Batch {
   std::size_t set = 0;
   ProblemResult result;
   std::optional<CertificateRow> certificate;  ///< found because an answer denied a solution
+  std::string left_out;                       ///< why the problem cannot be read; then there is no result
+  std::int64_t cells_left_out = 0;
 };
 
 using Work = ParallelWork<Batch, Store>;
@@ -147,9 +149,15 @@ class Worker {
 
   void run_trial(std::size_t set_number, std::int64_t trial, const std::vector<std::size_t>& solvers) {
     const ProblemSet& set = *study_.sets[set_number].set;
-    const TimeStep step = set.step(study_.seed, trial);
+    TimeStep step;
+    try {
+      step = set.step(study_.seed, trial);
+    } catch (const InputError& error) {
+      leave_out(set_number, solvers, error.what());
+      return;
+    }
     const Problem& problem = step.problem;
-    Batch batch{set_number, {}, {}};
+    Batch batch{.set = set_number};
     RowMaker rows(problem, certifier_, study_.solved_at, batch);
     batch.result.problem = problem_row(set.name(), study_.seed, trial, problem, rows.solvable_by_theory());
     Clock::time_point handed_over = Clock::now();
@@ -164,6 +172,13 @@ class Worker {
       handed_over = Clock::now();
     }
     if (!batch.result.answers.empty()) work_.push(std::move(batch));
+  }
+
+  void leave_out(std::size_t set, const std::vector<std::size_t>& solvers, const std::string& why) {
+    Batch batch{.set = set, .left_out = why};
+    for (const std::size_t solver : solvers) batch.cells_left_out += study_.solvers[solver].cell_count();
+    work_.push(std::move(batch));
+    std::fill(last_.begin(), last_.end(), Last{});  // the next step does not follow the one before
   }
 
   /// The task's solvers that take the trial, in an order rotated by a hash of the trial, so that each is first about as
@@ -301,7 +316,13 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
     work.start([&] { Worker(study, walk, work, options.stop).run(); });
   }
   CertificateTable certificates(store);
+  std::int64_t cells_left_out = 0;
   const auto write = [&](const Batch& batch) {
+    if (!batch.left_out.empty()) {
+      outcome.left_out.push_back(batch.left_out);
+      cells_left_out += batch.cells_left_out;
+      return;
+    }
     store.add(batch.result);
     const std::int64_t problem = batch.result.problem.id;
     if (batch.certificate && !certificates.has_proof(problem)) certificates.add(problem, *batch.certificate);
@@ -325,10 +346,11 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   outcome.progress.elapsed_s = seconds_since(start);
   outcome.progress.set = nullptr;
   if (const std::exception_ptr error = work.error()) rethrow(error, store, options.store_is_kept);
-  if (outcome.end == RunEnd::kComplete && outcome.progress.done < outcome.progress.total) {
-    outcome.end = RunEnd::kOutOfBudget;
-  }
-  if (outcome.progress.done == outcome.progress.total) outcome.end = RunEnd::kComplete;
+  std::ranges::sort(outcome.left_out);
+  const std::int64_t seen = outcome.progress.done + cells_left_out;
+  if (seen > 0 && seen == cells_left_out && outcome.already_done == 0) throw InputError(outcome.left_out.front());
+  if (outcome.end == RunEnd::kComplete && seen < outcome.progress.total) outcome.end = RunEnd::kOutOfBudget;
+  if (seen == outcome.progress.total) outcome.end = RunEnd::kComplete;
   return outcome;
 }
 

@@ -3,6 +3,8 @@
 #include <csignal>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "study/store/store.h"
 #include "study/run/study.h"
@@ -38,6 +40,7 @@ struct RunOutcome {
   /// `already_done` and `progress.total` are final. A run that ends early does not ask the store about the rest.
   bool counted = false;
   Progress progress;
+  std::vector<std::string> left_out;  ///< why, for each problem that could not be read: sorted
 };
 
 /// Runs every cell (set x trial x solver parameterisation) of a study that the store does not have yet.
@@ -53,7 +56,9 @@ struct RunOutcome {
 /// exact arithmetic where that is cheap (study/certificates/judge.h), and the store keeps the proof. Whatever a solver
 /// does, it leaves a row. The work is found as it goes (study/run/work_queue.h): neither the memory nor the time to the
 /// first problem grow with the number of trials.
-/// @throws what generating, opening a solver or the store throws, after committing what was done.
+/// A problem that cannot be read is left out, and the run goes on: see RunOutcome::left_out.
+/// @throws InputError where no problem can be read; what generating, opening a solver or the store throws, after
+/// committing what was done.
 RunOutcome run_study(const Study& study, Store& store, const RunOptions& options);
 
 }  // namespace lcpbench

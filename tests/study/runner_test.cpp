@@ -320,21 +320,31 @@ TEST(RunnerTest, WhatAUserCanMendEndsTheRunAndSaysHowToGoOn) {
     EXPECT_NE(std::string(error.what()).find("/nonexistent/worker: No such file"), std::string::npos) << error.what();
     expect_way_on(error);
   }
-  std::filesystem::create_directory(folder / "problems");
-  write_problem(study.sets[0].set->generate(1, 0), folder / "problems/a.json");
-  std::ofstream(folder / "problems/b.json") << "{}";
-  study.sets = {{open_set("file:" + (folder / "problems").string()), 2}};
-  study.solvers.resize(1);
-  try {
-    run_into(study, folder / "s.db");
-    ADD_FAILURE() << "the run was complete";
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()).rfind((folder / "problems/b.json").string() + ": ", 0), 0U) << error.what();
-    expect_way_on(error);
-  }
   Store store = Store::open_for_reading(folder / "s.db");
   EXPECT_GE(store.cell_count(), 1);
   EXPECT_EQ(store.database().integer("SELECT COUNT(*) FROM answers WHERE claim = 'crashed'"), 0);
+}
+
+/// A step that an engine wrote wrongly costs no other one.
+TEST(RunnerTest, AProblemThatCannotBeReadIsLeftOutAndNamed) {
+  const ScratchFolder folder;
+  Study study = small_study();
+  std::filesystem::create_directory(folder / "problems");
+  for (const char* name : {"a.json", "c.json"}) {
+    write_problem(study.sets[0].set->generate(1, 0), folder / "problems" / name);
+  }
+  std::ofstream(folder / "problems/b.json") << "{}";
+  study.sets = {{open_set("file:" + (folder / "problems").string()), 3}};
+  study.solvers.resize(1);
+  for (const std::int64_t done : {2, 0}) {  // and when it runs again
+    const RunOutcome outcome = run_into(study, folder / "s.db");
+    EXPECT_EQ(outcome.end, RunEnd::kComplete);
+    EXPECT_EQ(outcome.progress.done, done);
+    ASSERT_EQ(outcome.left_out.size(), 1U);
+    EXPECT_EQ(outcome.left_out[0].rfind((folder / "problems/b.json").string() + ": ", 0), 0U) << outcome.left_out[0];
+  }
+  study.sets = {{open_set("file:" + (folder / "problems/b.json").string()), 1}};
+  EXPECT_THROW(run_into(study, folder / "none.db"), InputError);
 }
 
 /// As where a scheduler ends the workers of a sweep together with the run.
