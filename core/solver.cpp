@@ -303,6 +303,9 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   if (answer.claim != Claim::kUnsolvable) answer.farkas.resize(0);  // of a part, or of a method whose turn is over
   if (requires_proofs_ && answer.claim == Claim::kUnsolvable) withdraw_unproven(answer);
   if (reduction_) return_to_mixed(answer);
+  if (answer.claim == Claim::kNumericalFailure && answer.detail.empty()) {
+    answer.detail = answer.z.allFinite() ? "found no answer that passes its test" : "its numbers became infinite";
+  }
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
   if (answer.claim != Claim::kUnsupported) return;
   for (AnswerVector* vector : {&answer.z, &answer.velocity, &answer.farkas}) vector->resize(0);

@@ -74,12 +74,12 @@ class ContactSolver {
   /// Takes bodies and contacts; the bodies' velocities are the first v. O(bodies + contacts) and the solver's own work
   /// on the matrices, which its page tells. Allocates.
   /// @param ids one for each contact, by which the next update() finds it again; none: update() keeps no impulses
-  /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive, an
-  ///     inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite, edges other than 0 and 4,
-  ///     mu < 0, compliance < 0, mu, compliance_t or offset_t other than 0 without edges, one body on both sides, NaN
-  ///     or infinity, or a problem outside what the solver takes (friction given to a frictionless solver, n over its
-  ///     limit), or ids in another number than contacts. Directions are taken as they are: normals and tangents should
-  ///     be orthogonal unit vectors.
+  /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive or whose
+  ///     inverse overflows, an inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite,
+  ///     edges other than 0 and 4, a normal or a tangent that is no unit vector, or a tangent that is not orthogonal to
+  ///     the normal (to 1e-6), mu < 0, compliance < 0, mu, compliance_t or offset_t other than 0 without edges, one
+  ///     body on both sides, NaN or infinity, or a problem outside what the solver takes (friction given to a
+  ///     frictionless solver, n over its limit), or ids in another number than contacts
   void load(const RigidScene& scene, std::span<const ContactId> ids = {});
 
   /// The same for generalized coordinates, in any form that ContactProblem has. Copied.

@@ -174,7 +174,10 @@ int lcpbench_solve(lcpbench_solver* solver, double seconds, lcpbench_claim* clai
       throw lcpbench::InputError("seconds is " + std::to_string(seconds) + ", expected a number >= 0");
     self.claim = lcpbench::claim_of(self.solver.solve(seconds));
     if (claim != nullptr) *claim = self.claim;
-    if (self.claim != LCPBENCH_SOLVED) lcpbench::say(self.solver.answer().detail.c_str());
+    const lcpbench::Answer& answer = self.solver.answer();
+    if (self.claim != LCPBENCH_SOLVED) {
+      lcpbench::say(answer.detail.empty() ? to_string(answer.claim) : answer.detail.c_str());
+    }
   });
 }
 

@@ -17,6 +17,9 @@ namespace {
 /// precision, a few times 6e-8.
 constexpr double kInertiaRounding = 1e-6;
 
+/// Six digits: what single-precision engines keep of a unit vector.
+constexpr double kDirectionTolerance = 1e-6;
+
 std::string at(const char* list, std::size_t i, const char* field) {
   return std::string(list) + "[" + std::to_string(i) + "]." + field;
 }
@@ -30,9 +33,20 @@ void check_finite(const Dense& values, const char* list, std::size_t i, const ch
   if (!values.allFinite()) throw InputError(at(list, i, field) + " holds NaN or infinity");
 }
 
+/// As in files, with the same tolerance.
+void check_unit(const Eigen::Vector3d& direction, std::size_t i, const char* field) {
+  check_finite(direction, "contacts", i, field);
+  const double length = direction.norm();
+  if (std::abs(length - 1) <= kDirectionTolerance) return;
+  throw InputError(at("contacts", i, field) + " has length " + format_real(length) + ", expected 1");
+}
+
 void check_body(const RigidBody& body, std::size_t i) {
   if (!(body.mass > 0) || !std::isfinite(body.mass)) {
     refuse(at("bodies", i, "mass"), format_real(body.mass), "a finite number > 0");
+  }
+  if (!std::isfinite(1 / body.mass)) {
+    throw InputError(at("bodies", i, "mass") + " is " + format_real(body.mass) + "; its inverse overflows");
   }
   check_finite(body.position, "bodies", i, "position");
   check_finite(body.linear_velocity, "bodies", i, "linear_velocity");
@@ -72,6 +86,10 @@ void check_compliance(double r, const std::string& field) {
 
 void check_contact(const RigidScene& scene, std::size_t i) {
   const RigidContact& contact = scene.contacts[i];
+  if (contact.body_a == RigidContact::kWorld && contact.body_b != RigidContact::kWorld) {
+    throw InputError(at("contacts", i, "body_a") +
+                     " is -1, the world, which has to be body_b: swap the bodies and turn the normal");
+  }
   check_body_index(contact.body_a, 0, scene.bodies.size(), at("contacts", i, "body_a"));
   check_body_index(contact.body_b, RigidContact::kWorld, scene.bodies.size(), at("contacts", i, "body_b"));
   if (contact.body_a == contact.body_b) throw InputError(at("contacts", i, "body_b") + " is body_a");
@@ -79,8 +97,17 @@ void check_contact(const RigidScene& scene, std::size_t i) {
     refuse(at("contacts", i, "edges"), std::to_string(contact.edges), "0 or 4");
   }
   check_finite(contact.point, "contacts", i, "point");
-  check_finite(contact.normal, "contacts", i, "normal");
-  check_finite(contact.tangent, "contacts", i, "tangent");
+  check_unit(contact.normal, i, "normal");
+  if (contact.edges == 0) {
+    check_finite(contact.tangent, "contacts", i, "tangent");
+  } else {
+    check_unit(contact.tangent, i, "tangent");
+    const double cosine = contact.normal.dot(contact.tangent);
+    if (!(std::abs(cosine) <= kDirectionTolerance)) {
+      throw InputError(at("contacts", i, "tangent") + " is not orthogonal to the normal: their scalar product is " +
+                       format_real(cosine));
+    }
+  }
   check_friction(contact.mu, contact.edges, at("contacts", i, "mu"));
   if (!std::isfinite(contact.b)) refuse(at("contacts", i, "b"), format_real(contact.b), "a finite number");
   check_compliance(contact.compliance_n, at("contacts", i, "compliance_n"));
@@ -143,7 +170,7 @@ void check_usable(const ContactProblem& contacts) {
   Index friction = 0;
   for (Index i = 0; i < nc; ++i) {
     const int edges = contacts.edges[static_cast<std::size_t>(i)];
-    const std::string index = "[" + std::to_string(i) + "]";
+    const std::string index = std::string("[") + std::to_string(i) + "]";
     if (edges < 0 || edges % 2 != 0) refuse("edges" + index, std::to_string(edges), "an even number >= 0");
     check_friction(contacts.mu(i), edges, "mu" + index);
     friction += edges;

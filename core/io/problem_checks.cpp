@@ -265,6 +265,7 @@ class Checker {
   void body(const RigidBody& body, const std::string& path) const {
     finite(body.mass, path + ".mass");
     if (!(body.mass > 0)) wrong(path + ".mass", format_real(body.mass), "> 0");
+    if (!std::isfinite(1 / body.mass)) fail(path + ".mass is " + format_real(body.mass) + "; its inverse overflows");
     positive_definite(body.inertia, 3, path + ".inertia");
     finite(Vector(body.position), path + ".position");
     finite(Vector(body.linear_velocity), path + ".linear_velocity");
@@ -274,6 +275,9 @@ class Checker {
   void rigid_contact(const RigidScene& scene, const RigidContact& contact, const std::string& path) const {
     const auto count = static_cast<int>(scene.bodies.size());
     const std::string bodies = "one of the " + std::to_string(count) + " bodies, counted from 0";
+    if (contact.body_a == RigidContact::kWorld && contact.body_b != RigidContact::kWorld) {
+      fail(path + ".body_a is -1, the world, which has to be body_b: swap the bodies and turn the normal");
+    }
     if (contact.body_a < 0 || contact.body_a >= count) wrong(path + ".body_a", std::to_string(contact.body_a), bodies);
     if (contact.body_b < RigidContact::kWorld || contact.body_b >= count) {
       wrong(path + ".body_b", std::to_string(contact.body_b), "-1 (world) or " + bodies);

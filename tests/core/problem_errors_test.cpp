@@ -192,6 +192,8 @@ TEST(ProblemErrorsTest, RigidContacts) {
   expect_errors({
       {replaced(kScene, R"("body_a": 0)", R"("body_a": 1)"),
        "contacts[0].body_a is 1, expected one of the 1 bodies, counted from 0"},
+      {replaced(kScene, R"("body_a": 0, "body_b": -1)", R"("body_a": -1, "body_b": 0)"),
+       "contacts[0].body_a is -1, the world, which has to be body_b: swap the bodies and turn the normal"},
       {replaced(kScene, R"("body_b": -1)", R"("body_b": -2)"),
        "contacts[0].body_b is -2, expected -1 (world) or one of the 1 bodies, counted from 0"},
       {replaced(kScene, R"("body_b": -1)", R"("body_b": 0)"),

@@ -260,6 +260,13 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].body_b = -2; }),
             "contacts[2].body_b is -2, expected -1 (world) or one of 1 bodies, counted from 0");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].body_b = 0; }), "contacts[2].body_b is body_a");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2] = {.body_a = -1, .body_b = 0}; }),
+            "contacts[2].body_a is -1, the world, which has to be body_b: swap the bodies and turn the normal");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].normal *= 2; }), "contacts[2].normal has length 2, expected 1");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].tangent = s.contacts[2].normal; }),
+            "contacts[2].tangent is not orthogonal to the normal: their scalar product is 1");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 1e-320; }),
+            "bodies[0].mass is 1e-320; its inverse overflows");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[0].edges = 8; }), "contacts[0].edges is 8, expected 0 or 4");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].mu = nan; }),
             "contacts[0].mu is nan, expected a finite number >= 0");
