@@ -68,10 +68,11 @@ static inline int lcpbench_capture_body(lcpbench_capture* c, double mass, const 
 
 /* A contact of two bodies, either of which may be -1, the world; returns its index. The normal is a unit vector from
  * body_b into body_a, the tangent a unit vector orthogonal to it: the first friction direction. edges: 4, or 0 for a
- * frictionless contact, whose tangent may be NULL. Four edges are the pyramid |t1| + |t2| <= mu f_N. A solver that limits
- * each tangent by itself, |t1| <= mu f_N and |t2| <= mu f_N, has the pyramid of the tangents turned by 45 degrees:
- * give (t1 + t2) / sqrt(2) as tangent, sqrt(2) mu, and the impulses along (t1 + t2) / sqrt(2), (t2 - t1) / sqrt(2). b: the offset of the normal row, w = normal velocity + b [m/s]: 0
- * where there is neither restitution nor a gap. id: a name that the contact keeps from step to step, or NULL. */
+ * frictionless contact, whose tangent may be NULL. b: the offset of the normal row, w = normal velocity + b [m/s]: 0
+ * where there is neither restitution nor a gap. id: a name that the contact keeps from step to step, or NULL.
+ * Four edges are the pyramid |t1| + |t2| <= mu f_N. A solver that limits each tangent by itself, |t1| <= mu f_N and
+ * |t2| <= mu f_N, has the pyramid of tangents turned by 45 degrees: give s (t1 + t2) as tangent with s = sqrt(0.5), mu / s
+ * as mu, and s (f_t1 + f_t2), s (f_t2 - f_t1) as impulses. */
 static inline int lcpbench_capture_contact(lcpbench_capture* c, int body_a, int body_b, const double point[3],
                                            const double normal[3], const double tangent[3], double mu, int edges,
                                            double b, const char* id);
@@ -221,13 +222,52 @@ static inline void lcpbench_integer_(lcpbench_capture* c, lcpbench_text_* text, 
   lcpbench_add_(c, text, digits);
 }
 
+static inline void lcpbench_not_finite_(lcpbench_capture* c, const char* list, int index, const char* field, int size) {
+  char words[160];
+  if (index < 0)
+    snprintf(words, sizeof words, "%.*s is not finite", size, field);
+  else
+    snprintf(words, sizeof words, "%s[%d].%.*s is not finite", list, index, size, field);
+  lcpbench_fail_(c, words);
+}
+
+/* The number that comes next in the text is not finite. The text's last field names it, or what the text is for. */
+static inline void lcpbench_bad_number_(lcpbench_capture* c, const lcpbench_text_* text) {
+  static const struct {
+    int text;
+    const char* field;
+  } kTexts[5] = {{LCPBENCH_V_, "v"},
+                 {LCPBENCH_N_VALUES_, "normal"},
+                 {LCPBENCH_D_VALUES_, "tangent"},
+                 {LCPBENCH_MU_, "mu"},
+                 {LCPBENCH_B_, "b"}};
+  const char* const end = text->size > 0 ? strrchr(text->data, '"') : NULL;
+  const char* begin = end;
+  int i;
+  for (i = 0; i < 5; ++i) {
+    if (text != &c->text[kTexts[i].text]) continue;
+    lcpbench_not_finite_(c, i == 0 ? "blocks" : "contacts", i == 0 ? c->blocks : c->contact_count, kTexts[i].field, 16);
+    return;
+  }
+  if (text == &c->text[LCPBENCH_BLOCKS_]) {
+    lcpbench_not_finite_(c, "blocks", c->blocks, "G", 1);
+  } else if (end != NULL) {
+    while (begin[-1] != '"') --begin;
+    lcpbench_not_finite_(c, text == &c->text[LCPBENCH_BODIES_] ? "bodies" : "contacts",
+                         text == &c->text[LCPBENCH_BODIES_]     ? c->bodies
+                         : text == &c->text[LCPBENCH_CONTACTS_] ? c->contact_count
+                                                                : -1,
+                         begin, (int)(end - begin));
+  }
+}
+
 /* The shortest of the decimals with 15 to 17 digits that reads back to the same double. */
 static inline void lcpbench_number_(lcpbench_capture* c, lcpbench_text_* text, double value) {
   char digits[40];
   int precision;
   char* comma;
   if (!(value - value == 0)) {
-    lcpbench_fail_(c, "a number that is not finite");
+    lcpbench_bad_number_(c, text);
     return;
   }
   for (precision = 15; precision <= 17; ++precision) {
@@ -616,12 +656,14 @@ static inline int lcpbench_is_contact_(lcpbench_capture* c, int contact) {
 
 static inline void lcpbench_capture_gap(lcpbench_capture* c, int contact, double gap) {
   if (!lcpbench_is_contact_(c, contact)) return;
+  if (!(gap - gap == 0)) lcpbench_not_finite_(c, "contacts", contact, "gap", 3);
   c->contacts[contact].gap = gap;
   c->contacts[contact].has_gap = 1;
 }
 
 static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, double fn, double ft1, double ft2) {
   if (!lcpbench_is_contact_(c, contact)) return;
+  if (!(fn - fn == 0 && ft1 - ft1 == 0 && ft2 - ft2 == 0)) lcpbench_not_finite_(c, "contacts", contact, "impulse", 7);
   c->contacts[contact].impulse[0] = fn;
   c->contacts[contact].impulse[1] = ft1;
   c->contacts[contact].impulse[2] = c->contacts[contact].turned < 0 ? -ft2 : ft2;
@@ -649,7 +691,7 @@ static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const d
 
 static inline void lcpbench_capture_solve_time(lcpbench_capture* c, double seconds) {
   if (!lcpbench_in_step_(c)) return;
-  if (!(seconds >= 0)) lcpbench_fail_(c, "a negative time of the solver");
+  if (!(seconds >= 0)) lcpbench_fail_(c, "the time of the solver is negative or not a number");
   c->solve_s = seconds;
 }
 

@@ -154,19 +154,59 @@ TEST_F(CaptureTest, MistakesAreToldAndDoNotSpoilTheFile) {
   RigidBody broken = body();
   broken.mass = std::nan("");
   lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "mistakes", "engine", "1", 0.01);
+  ::testing::internal::CaptureStderr();
   for (int step = 0; step < 4; ++step) {
     lcpbench_capture_step(capture, step, 0);
+    if (step == 1) add(capture, body());
     add(capture, step == 1 ? broken : body());
     if (step == 2) lcpbench_capture_contact(capture, 0, 7, point, up, nullptr, 0, 0, 0, nullptr);
     lcpbench_capture_end_step(capture);
   }
   EXPECT_NE(lcpbench_capture_close(capture), 0);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "lcpbench_capture: step 1: bodies[1].mass is not finite\n");
   const ScenesFile scenes(file_.string());
   ASSERT_EQ(scenes.count(), 2u);
   EXPECT_EQ(scenes.step_number(1), 3);
   EXPECT_EQ(lcpbench_capture_open("/nonexistent/x.scenes", "s", "e", "1", 0.01), nullptr);
   EXPECT_EQ(lcpbench_capture_body(nullptr, 1, kTilted, point, point, point), -1);
   EXPECT_NE(lcpbench_capture_close(nullptr), 0);
+}
+
+TEST_F(CaptureTest, TheNumberThatIsNotFiniteIsNamed) {
+  const double nan = std::nan(""), broken[3] = {0, 0, nan}, up[3] = {0, 0, 1}, side[3] = {1, 0, 0};
+  const auto told = [&](bool bodies, auto&& give) {
+    lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "mistakes", "engine", "1", 0.01);
+    lcpbench_capture_step(capture, 7, 0);
+    ::testing::internal::CaptureStderr();
+    if (bodies) add(capture, body());
+    give(capture);
+    lcpbench_capture_end_step(capture);
+    lcpbench_capture_close(capture);
+    const std::string text = ::testing::internal::GetCapturedStderr();
+    return text.substr(0, text.find('\n'));
+  };
+  const auto contact = [&](lcpbench_capture* c, const double* normal, double b) {
+    lcpbench_capture_contact(c, 0, -1, up, normal, side, 0.5, 4, b, nullptr);
+  };
+  const std::string step = "lcpbench_capture: step 7: ";
+  EXPECT_EQ(told(true, [&](auto* c) { contact(c, up, 0), contact(c, broken, 0); }),
+            step + "contacts[1].normal is not finite");
+  EXPECT_EQ(told(true, [&](auto* c) { contact(c, up, nan); }), step + "contacts[0].b is not finite");
+  EXPECT_EQ(told(true, [&](auto* c) { contact(c, up, 0), lcpbench_capture_impulse(c, 0, nan, 0, 0); }),
+            step + "contacts[0].impulse is not finite");
+  EXPECT_EQ(told(true, [&](auto* c) { lcpbench_capture_pose(c, 0, broken, kTilted); }), step + "poses is not finite");
+  const double one = 1;
+  const int first = 0;
+  EXPECT_EQ(told(false, [&](auto* c) { lcpbench_capture_block(c, 1, &nan, &one); }),
+            step + "blocks[0].G is not finite");
+  EXPECT_EQ(told(false, [&](auto* c) { lcpbench_capture_block(c, 1, &one, &nan); }),
+            step + "blocks[0].v is not finite");
+  EXPECT_EQ(told(false,
+                 [&](auto* c) {
+                   lcpbench_capture_block(c, 1, &one, &one);
+                   lcpbench_capture_rows(c, 1, &first, &nan, nullptr, nullptr, 0, 0, 0, nullptr);
+                 }),
+            step + "contacts[0].normal is not finite");
 }
 
 // A file of steps that descend could not be opened at all, nor one whose header has a number missing.
