@@ -16,6 +16,7 @@
 
 #include "adapters/worker/start_program.h"
 #include "core/timed_solve.h"
+#include "core/utf8.h"
 
 namespace lcpbench::worker {
 namespace {
@@ -93,7 +94,7 @@ std::string AskedProgram::ask(std::string_view question, SizeOfMessage size_of, 
   const double begin_s = wall_clock_s();
   std::string_view unsent = question;
   if (!question.empty()) read_some(output_, received_);
-  if (!received_.empty()) fail(Claim::kCrashed, "said more than was asked");
+  if (!received_.empty()) fail(Claim::kCrashed, more_than_asked(0));
   if (!unsent.empty()) write_some(unsent);
   for (bool ended = false;;) {
     const double left = deadline_s - wall_clock_s();
@@ -110,7 +111,7 @@ std::string AskedProgram::ask(std::string_view question, SizeOfMessage size_of, 
       }
       if (size > 0 && received_.size() >= size) {
         if (!unsent.empty()) fail(Claim::kCrashed, "answered before the question was out");
-        if (received_.size() > size) fail(Claim::kCrashed, "said more than was asked");
+        if (received_.size() > size) fail(Claim::kCrashed, more_than_asked(size));
         return std::exchange(received_, {});
       }
       if (closed) fail_ended();
@@ -125,6 +126,16 @@ std::string AskedProgram::ask(std::string_view question, SizeOfMessage size_of, 
       fail(Claim::kTimeLimit, "gave no answer within " + std::to_string(waited_ms) + " ms");
     }
   }
+}
+
+std::string AskedProgram::more_than_asked(std::size_t begin) const {
+  constexpr std::size_t kShown = 60;  // bytes
+  const std::string said = "said more than was asked";
+  if (is_worker()) return said;
+  if (received_.front() != '{') begin = 0;  // it said something before its answer
+  const std::string line = received_.substr(begin, received_.find('\n', begin) - begin);
+  return said + ": '" + printable(line.substr(0, kShown)) + (line.size() > kShown ? "..." : "") +
+         "'; what is no answer belongs on stderr";
 }
 
 void AskedProgram::write_some(std::string_view& unsent) {

@@ -81,6 +81,8 @@ class AskedProgram {
   void write_some(std::string_view& unsent);
   void read_messages();
   [[noreturn]] void fail(Claim claim, const std::string& cause);
+  /// @param begin  of what is too much in received_
+  std::string more_than_asked(std::size_t begin) const;
   [[noreturn]] void fail_ended();
 
   Channel channel_;

@@ -148,6 +148,7 @@ behaviours = {
     "stop reading": stop_reading,
     "huge": huge,
     "twice": twice,
+    "debug": lambda problem: say("here I am\n" + json.dumps(right(problem)) + "\n"),
     "garbage": raw("solved!"),
     "not utf-8": not_utf_8,
     "an array": raw("[1, 2]"),
