@@ -33,6 +33,9 @@ void refuse_folder(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, ignored)) {
     throw InputError(file.string() + ": is a folder, expected a store");
   }
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored)) {
+    throw InputError(file.string() + ": is not a regular file");
+  }
 }
 
 void roll_back_journal(const std::filesystem::path& store) {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "study/store/answer_scan.h"
 #include "study/store/vector_codec.h"
@@ -294,6 +295,13 @@ TEST(StoreTest, FolderIsCalledAFolder) {
   EXPECT_EQ(input_error([&] { Store::open_for_writing(path); }), expected);
   EXPECT_EQ(input_error([&] { Store::remove(path); }), expected);
   EXPECT_TRUE(std::filesystem::is_directory(path));
+}
+
+TEST(StoreTest, APipeIsNoStore) {
+  const ScratchFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "pipe"); }),
+            (folder / "pipe").string() + ": is not a regular file");
 }
 
 TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
