@@ -211,6 +211,7 @@ class ScenesSet final : public ProblemSet {
     return index > 0 && scenes_->step_number(index) == scenes_->step_number(index - 1) + 1;
   }
   std::optional<std::int64_t> count() const override { return static_cast<std::int64_t>(scenes_->count()); }
+  std::string engine() const override { return scenes_->header().engine_label(); }
   std::string note() const override { return scenes_->truncation(); }
 
  private:

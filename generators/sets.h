@@ -35,6 +35,8 @@ class ProblemSet {
   virtual bool follows(std::int64_t /*trial*/) const { return false; }
   /// How many problems there are, where that is finite (files); nullopt for random sets.
   virtual std::optional<std::int64_t> count() const { return std::nullopt; }
+  /// Name and version of the engine that captured all its problems; "" where there is none, or it is not known.
+  virtual std::string engine() const { return {}; }
   /// What is wrong with its files although they can be read, in a sentence; "" as a rule.
   virtual std::string note() const { return {}; }
 };

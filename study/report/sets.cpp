@@ -137,14 +137,12 @@ bool solves_other_model(const SetSummary& set, const SolverRow& solver) {
 
 std::string solver_label(const Summary& summary, std::size_t solver) {
   const SolverRow& row = summary.solvers[solver];
+  if (row.name == "engine" && !row.version.empty()) return lcpbench::solver_label(row.text(), row.version);
   const std::string label = lcpbench::solver_label(row.text());
   const auto namesakes = std::count_if(summary.solvers.begin(), summary.solvers.end(), [&](const SolverRow& other) {
     return other.sweep.empty() && lcpbench::solver_label(other.text()) == label;
   });
-  if (namesakes < 2 && row.name == "engine" && !summary.engine.empty()) {
-    return summary.engine + label.substr(row.name.size());
-  }
-  if (namesakes < 2) return label;
+  if (namesakes < 2) return lcpbench::solver_label(row.text(), summary.engine);
   if (label != row.text()) return row.text();  // a name that the user gave twice tells nothing apart
   return row.text() + " (" + (row.isa.empty() ? "" : row.isa + ", ") + row.library + " " + row.version + ")";
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -113,17 +114,27 @@ class SolverList {
   void add(const PlannedSolver& planned, bool from_last = false) {
     std::vector<bool> chosen = sets_of(planned, plan_, sets_);
     for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = chosen[i] && (!from_last || sets_[i].in_order);
-    if (std::find(chosen.begin(), chosen.end(), true) == chosen.end()) return;
-    StudySolver& solver = known(planned, from_last);
+    // Each engine, and each version of it, that the user's files were captured from is a solver of its own.
+    const auto engine = [&](const StudySet& set) {
+      return planned.spec.name == "engine" && set.set->name().starts_with("file:") ? set.set->engine() : "";
+    };
+    std::set<std::string> engines;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      if (chosen[i]) solver.every[i].push_back(planned.every);
+      if (chosen[i]) engines.insert(engine(sets_[i]));
+    }
+    for (const std::string& each : engines) {
+      StudySolver& solver = known(planned, from_last, each);
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        if (chosen[i] && engine(sets_[i]) == each) solver.every[i].push_back(planned.every);
+      }
     }
   }
   std::vector<StudySolver> take() { return std::move(solvers_); }
 
  private:
-  StudySolver& known(const PlannedSolver& planned, bool from_last) {
+  StudySolver& known(const PlannedSolver& planned, bool from_last, const std::string& engine) {
     StudySolver opened = open_study_solver(planned);
+    if (!engine.empty()) opened.row.version = engine;
     opened.from_last = from_last;
     if (from_last) opened.open = [spec = planned.spec] { return open_for_steps(spec); };
     for (std::string* settings : {&opened.row.settings, &opened.row.all_settings}) {
