@@ -17,7 +17,8 @@ const RegisteredSolver& find_solver(const std::string& name) {
     known.push_back(solver.definition.name);
     list += (list.empty() ? "" : ", ") + known.back();
   }
-  throw InputError("unknown solver '" + name + "'" + did_you_mean(name, known) + "; known: " + list);
+  throw InputError("unknown solver '" + name + "'" + did_you_mean(name, known) + "; known: " + list +
+                   "; the answer that a captured step has from its engine, by any name, is 'engine'");
 }
 
 std::unique_ptr<Solver> make_solver(const Spec& spec) {

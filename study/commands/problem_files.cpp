@@ -7,6 +7,16 @@
 #include "study/commands/commands.h"
 
 namespace lcpbench {
+namespace {
+
+/// Says on a terminal what takes seconds where there are a million contacts.
+auto read_visibly(const std::string& name, auto&& read) {
+  ProgressLine line;
+  if (line.is_on_terminal()) line.show("reading " + name);
+  return interruptibly(read);
+}
+
+}  // namespace
 
 int examine_problem_files(const std::vector<std::string>& files, bool json, const Examine& examine) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
@@ -26,8 +36,8 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
     if (!scenes.truncation().empty()) say(stderr, "lcpbench: {}\n", printable(scenes.truncation()));
     for (std::size_t i = 0; i < scenes.count() && *stop == 0; ++i) {
       guarded([&] {
-        examine(interruptibly([&] { return scenes.read(i); }).problem,
-                fmt::format("{}#{}", file, scenes.step_number(i)), rows);
+        const std::string name = fmt::format("{}#{}", file, scenes.step_number(i));
+        examine(read_visibly(name, [&] { return scenes.read(i); }).problem, name, rows);
       });
     }
   };
@@ -35,7 +45,7 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
     if (*stop != 0) break;
     guarded([&] {
       if (is_scenes_file(file)) return examine_steps(file);
-      examine(interruptibly([&] { return read_problem(file); }), file, rows);
+      examine(read_visibly(file, [&] { return read_problem(file); }), file, rows);
     });
   }
   if (json) print_json(rows);

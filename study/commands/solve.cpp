@@ -101,11 +101,8 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
                 bool once) {
   Attempt result;
   result.solver = solver_row(spec);
-  result.label = solver_label(result.solver.text());
   const EngineAnswer* const engine = problem.engine_answer();
-  if (spec.name == "engine" && engine != nullptr && !engine->engine.empty()) {
-    result.label.replace(0, spec.name.size(), printable(engine->engine));
-  }
+  result.label = solver_label(result.solver.text(), engine != nullptr ? engine->engine : "");
   TimedRequest request;
   request.time_limit_s = time_limit_s;
   request.repeat_until_s = once ? 0 : kRepeatUntilS;
@@ -180,6 +177,19 @@ std::string box_words(const Problem& problem, const Attempt& attempt) {
       residual);
 }
 
+/// Of a step whose contacts all part without an impulse, which an engine would have left alone.
+std::string parting_words(const ContactProblem& contact) {
+  double least = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < contact.nc(); ++i) {
+    least = std::min(least, dot_column(contact.N, i, contact.v) + contact.offset(i));
+  }
+  if (!(least > 0 && std::isfinite(least))) return "";
+  return fmt::format(
+      " No contact approaches (least N'v + b {:.3g} m/s), so that nothing would happen: are the normals turned, or "
+      "is v the velocity after the impact?",
+      least);
+}
+
 /// Right answers first, then honest failures, then false claims, then refusals.
 int rank(const Attempt& attempt) {
   if (attempt.timed.answer.claim == Claim::kUnsupported) return 4;
@@ -215,8 +225,9 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
       say(stderr, "lcpbench: {}\n", error.what());
     }
   }
-  progress.clear();
+  if (progress.is_on_terminal()) progress.show("explaining the answers");
   const std::string known_by = because(judge, attempts);
+  std::optional<std::vector<std::string>> names;
   const double least_violation_m_per_s = proven_violation_m_per_s(problem, judge, attempts);
   for (Attempt& each : attempts) {
     const Answer& answer = each.timed.answer;
@@ -225,10 +236,14 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     each.verdict = verdict(answer.claim, errors, each.truth);
     each.least_violation_m_per_s = least_violation_m_per_s;
     if (each.verdict == Verdict::kSolved) continue;
+    if (!names) names = contact_names(file);  // which reads the step again
     each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by,
-                                        each.truth, each.model, contact_names(file)});
+                                        each.truth, each.model, *names});
     each.why += box_words(problem, each);
+    const bool engine_is_wrong = each.solver.name == "engine" && each.verdict == Verdict::kWrong;
+    if (engine_is_wrong) each.why += parting_words(*problem.contact());
   }
+  progress.clear();
   std::ranges::stable_sort(attempts, {}, [](const Attempt& each) { return std::pair(rank(each), each.time_s()); });
   return attempts;
 }
@@ -399,8 +414,7 @@ void print_reasons(const std::vector<Attempt>& attempts, bool named) {
       ++left_out;
     }
   }
-  if (left_out > 0)
-    say_folded("{} without a solution: --solver NAME says why\n", counted_noun(left_out, "more solver"));
+  if (left_out > 0) say_folded("{} refused or failed: --solver NAME says why\n", counted_noun(left_out, "more solver"));
 }
 
 void print_nearly(const std::vector<Attempt>& attempts) {

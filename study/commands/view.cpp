@@ -8,6 +8,7 @@
 #include "study/certificates/judge.h"
 #include "study/commands/commands.h"
 #include "study/commands/problem_files.h"
+#include "study/output/columns.h"
 #include "study/replay/replay_folder.h"
 #include "study/report/tables.h"
 #include "study/run/open_solver.h"
@@ -64,7 +65,8 @@ std::vector<Spec> chosen(const std::vector<std::string>& texts) {
   return solvers;
 }
 
-std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<Spec>& solvers, double time_limit_s,
+std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<Spec>& solvers,
+                                     const std::string& engine, double time_limit_s,
                                      const volatile std::sig_atomic_t* stop) {
   BoundedCertifier certifier;
   Judge judge(problem, certifier);
@@ -74,7 +76,7 @@ std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<S
     TimedAnswer timed;
     open_solver(spec)->run(problem, {.time_limit_s = time_limit_s}, timed);
     const FrictionModel model = friction_model(solver_row(spec).friction, problem);
-    answers.push_back({.solver = spec.text(),
+    answers.push_back({.solver = solver_label(spec.text(), engine),
                        .model = model,
                        .claim = timed.answer.claim,
                        .errors = judge.judgement(judge.judge(timed.answer, model)).errors,
@@ -91,7 +93,8 @@ std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<S
 Json step_document(const ViewArguments& arguments, const volatile std::sig_atomic_t* stop) {
   const Shown shown = interruptibly([&] { return read_shown(arguments.file); });
   const std::vector<Spec> solvers = chosen(arguments.solvers.empty() ? kSolvers : arguments.solvers);
-  const std::vector<ViewedAnswer> answers = answers_to(shown.step.problem, solvers, arguments.time_limit_s, stop);
+  const std::vector<ViewedAnswer> answers =
+      answers_to(shown.step.problem, solvers, shown.header.engine_label(), arguments.time_limit_s, stop);
   return step_view(shown.header, shown.step, arguments.file, answers);
 }
 

@@ -13,7 +13,11 @@ JsonCell field(const std::string& path, std::string (*format)(double)) {
   };
 }
 
-std::string solver_label(const std::string& spec) {
+std::string solver_label(const std::string& spec, const std::string& engine) {
+  constexpr std::string_view kEngine = "engine";
+  if (!engine.empty() && spec.substr(0, spec.find('{')) == kEngine) {
+    return printable(engine) + spec.substr(kEngine.size());
+  }
   if (!spec.starts_with("external{")) return spec;
   for (const auto& [setting, value] : parse_spec(spec).options) {
     if (setting == "name") return value;

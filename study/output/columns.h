@@ -24,8 +24,8 @@ struct JsonColumn {
 JsonCell field(const std::string& path, std::string (*format)(double) = nullptr);
 
 /// What a solver is called, whose spec is "name" or "name{settings}": the setting `name` of an external one, else the
-/// spec.
-std::string solver_label(const std::string& spec);
+/// spec. @param engine  name and version, in place of the name of the solver `engine`; "": not known
+std::string solver_label(const std::string& spec, const std::string& engine = "");
 
 /// solver_label() of the fields `solver` and `settings`.
 std::string solver_text(const Json& row);

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "generators/scenes/scenes.h"
+#include "study/output/columns.h"
 #include "study/view/view.h"
 
 namespace lcpbench {
@@ -113,9 +114,10 @@ std::vector<StoredStep> telling_steps(Store& store, const Solvers& solvers) {
   return steps;
 }
 
-ViewedAnswer viewed(Store& store, const StoredAnswer& stored, const SolverRow& solver, const Problem& problem) {
+ViewedAnswer viewed(Store& store, const StoredAnswer& stored, const SolverRow& solver, const Problem& problem,
+                    const std::string& engine) {
   const std::optional<Answer> answer = store.answer(stored.problem_id, stored.solver_id);
-  return {.solver = solver.text(),
+  return {.solver = solver_label(solver.text(), engine),
           .model = friction_model(solver.friction, problem),
           .claim = stored.claim,
           .verdict = stored.verdict,
@@ -144,7 +146,8 @@ std::vector<Json> stored_step_views(Store& store, std::size_t most, std::size_t 
       if (problem_hash(step.problem) != first.hash) continue;
       std::vector<ViewedAnswer> answers;
       for (const StoredAnswer& each : stored.answers) {
-        answers.push_back(viewed(store, each, solvers.at(each.solver_id), step.problem));
+        answers.push_back(
+            viewed(store, each, solvers.at(each.solver_id), step.problem, set->file->header().engine_label()));
       }
       Json view =
           step_view(set->file->header(), step, fmt::format("{}#{}", set->name, step.step), answers);

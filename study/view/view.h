@@ -18,7 +18,7 @@ namespace lcpbench {
 
 /// An answer to a step, as a view shows it.
 struct ViewedAnswer {
-  std::string solver;  ///< "psor{max_iterations=10}"
+  std::string solver;  ///< solver_label(): "psor{max_iterations=10}", "my engine 0.1"
   FrictionModel model = FrictionModel::kPyramid;
   Claim claim = Claim::kNumericalFailure;
   Verdict verdict = Verdict::kOpen;

@@ -333,8 +333,37 @@ TEST_F(CommandLineTest, SolveSaysWhichAnswersFitABoxOfFriction) {
   };
   const std::string box = reason("[1, 0,0,0.5,0.5]");
   EXPECT_TRUE(contains(box, "With a box of friction") && contains(box, "turned by 45 degrees and sqrt(2) mu")) << box;
-  EXPECT_FALSE(contains(reason("[1, 0,0,0.6,0.5]"), "box"));  // nor is it a box's
-  EXPECT_EQ(reason("[1, 0,0,0.5,0]"), "");
+  EXPECT_FALSE(contains(reason("[1, 0,0,0.6,0.5]"), "box"));
+  EXPECT_EQ(reason("[1, 0,0,0.25,0.25]"), "");
+  EXPECT_TRUE(contains(done("view box.scenes#3 --solver engine"), "  E 1: claim solved, verdict solved"));
+  EXPECT_TRUE(contains(run("solve box.scenes --solver tinyphys").err, "by any name, is 'engine'"));
+}
+
+/// Two versions of an engine do not share a row.
+TEST_F(CommandLineTest, EachRecordedEngineIsARowOfItsOwn) {
+  for (const char* version : {"1", "2"}) {
+    write(std::string("v") + version + ".scenes",
+          std::string(R"({"format":"lcpbench-scenes","version":1,"scene":"s","engine":"E","engine_version":")") + version +
+              "\"}\n"
+              R"({"step":3,"problem":{"format":"lcpbench-problem","version":1,"name":"p","kind":"contact",)"
+              R"("v":[-1],"N":[[1]],"G":[[1]]},"engine":{"impulses":[)" +
+              version + "]}}\n");
+  }
+  const std::string text = done("run --set file:v1.scenes --set file:v2.scenes --solver engine --store e.db --long");
+  EXPECT_TRUE(contains(text, "E 1") && contains(text, "E 2")) << text;
+  done("report e.db --out r");
+  std::vector<std::string> labels;
+  for (const json& solver : json::parse(read("r/report.json"))["solvers"]) labels.push_back(solver["label"]);
+  EXPECT_EQ(labels, (std::vector<std::string>{"E 1", "E 2"}));
+}
+
+TEST_F(CommandLineTest, SolveAsksForTurnedNormalsWhereNoContactApproaches) {
+  write("part.scenes", R"({"format":"lcpbench-scenes","version":1,"scene":"s"})"
+                       "\n"
+                       R"({"step":3,"problem":{"format":"lcpbench-problem","version":1,"name":"p","kind":"contact",)"
+                       R"("v":[1],"N":[[1]],"G":[[1]]},"engine":{"impulses":[1]}})"
+                       "\n");
+  EXPECT_TRUE(contains(done("solve part.scenes --solver engine --wide"), "No contact approaches (least N'v + b 1 m/s)"));
 }
 
 TEST_F(CommandLineTest, AMixedLcpIsSolvedAndJudgedByItsBounds) {

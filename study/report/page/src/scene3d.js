@@ -126,7 +126,7 @@ function byError(view, answers) {
 const contactName = (view, c) => {
   const [a, b] = view.contacts.bodies[c] ?? [];
   const pair = a === undefined ? view.contacts.ids[c] ?? "" : `body ${a} on ${b < 0 ? "the world" : `body ${b}`}`;
-  return `Contact ${c + 1}${pair === "" ? "" : `, ${pair}`}`;
+  return `Contact ${c}${pair === "" ? "" : `, ${pair}`}`;
 };
 const friction = (numbers) => (numbers ? Math.hypot(numbers[1], numbers[2]) : undefined);
 
