@@ -235,8 +235,12 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
   const report::Report report = report::read_report(store);
   report::fill_tables(store, report, named);
   line.clear();
+  const std::string coverage =
+      outcome.left_out.empty()
+          ? report::coverage_text(report.summary.coverage)
+          : counted_noun(outcome.left_out.size(), "problem") + " could not be read: named at the end\n";
   std::string head = fmt::format("{} in {}, {}\n{}", done, clock_text(outcome.progress.elapsed_s), printable(file),
-                                 report::coverage_text(report.summary.coverage));
+                                 coverage);
   if (outcome.end == RunEnd::kOutOfBudget) {
     head += fmt::format("the plan's time budget of {:g} s is used up; run the same command again to go on\n",
                         *plan.budget_s);

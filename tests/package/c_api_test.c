@@ -124,6 +124,9 @@ static void misuse_is_an_error(void) {
   EXPECT(lcpbench_update(solver, &scene) == LCPBENCH_OK);
   body_a[3] = 7;
   EXPECT(lcpbench_update(solver, &scene) == LCPBENCH_BAD_INPUT && says("contacts[3].body_a is 7"));
+  scene = boxes();
+  normal[11] = 0;
+  EXPECT(lcpbench_update(solver, &scene) == LCPBENCH_BAD_INPUT && says("contacts[3].normal has length 0, expected 1"));
   EXPECT(lcpbench_set_velocity(solver, velocity, 6) == LCPBENCH_BAD_INPUT && says("6 numbers, expected 12"));
   EXPECT(lcpbench_get_velocity(solver, v, 11) == LCPBENCH_BAD_INPUT);
   EXPECT(lcpbench_get_impulses(solver, NULL, 24) == LCPBENCH_MISUSE);

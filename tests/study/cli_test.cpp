@@ -352,8 +352,9 @@ TEST_F(CommandLineTest, EachRecordedEngineIsARowOfItsOwn) {
   const std::string text = done("run --set file:v1.scenes --set file:v2.scenes --solver engine --store e.db --long");
   EXPECT_TRUE(contains(text, "E 1") && contains(text, "E 2")) << text;
   done("report e.db --out r");
+  const json report = json::parse(read("r/report.json"));
   std::vector<std::string> labels;
-  for (const json& solver : json::parse(read("r/report.json"))["solvers"]) labels.push_back(solver["label"]);
+  for (const json& solver : report["solvers"]) labels.push_back(solver["label"]);
   EXPECT_EQ(labels, (std::vector<std::string>{"E 1", "E 2"}));
 }
 
