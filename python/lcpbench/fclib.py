@@ -1,6 +1,6 @@
 """Problems of Siconos' Friction Contact Library as files (FCLIB, HDF5), both ways. Needs `h5py` and scipy.
 
-    python -m lcpbench.fclib walk.scenes --out FOLDER           writes each step as FOLDER/walk-120.hdf5
+    python -m lcpbench.fclib walk.scenes --out FOLDER           writes each step that FCLIB has as FOLDER/walk-120.hdf5
     python -m lcpbench.fclib a.hdf5 b.hdf5 --out both.scenes    makes each file a step, numbered from 0
 
     global:  M v = H r + f,  u = H'v + w     G = M, v = M^-1 f, N and tangents from columns of H, w = (b, offset_t)
@@ -12,6 +12,8 @@ The friction disc of FCLIB becomes a pyramid of four edges along the file's two 
 from __future__ import annotations
 
 import os
+import sys
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -202,16 +204,26 @@ def load(path: Any, *, symmetrize: bool = False) -> Problem:
             raise InputError(f"{name}: {group}: {error}") from None
 
 
+def _dimension(problem: Problem) -> int:
+    return 2 if problem.nc and set(problem.edges) <= {0, 2} and np.any(problem.edges) else 3
+
+
+def _why_not(problem: Problem) -> str:
+    """Why FCLIB cannot hold the problem, or ""."""
+    if problem.kind == "lcp":
+        return "a bare LCP is no problem of contacts"
+    if problem.compliance_n.any() or problem.compliance_t.any():
+        return "FCLIB has no compliance"
+    if _dimension(problem) == 3 and (why := _native.why_no_round_cone(problem._data)):
+        return f"FCLIB has the friction disc alone: {why}"
+    return ""
+
+
 def _directions(problem: Problem) -> tuple[Any, int]:
     """H, sparse, and the dimension of the space."""
     from scipy.sparse import csc_matrix, hstack
 
-    edges, nc = np.asarray(problem.edges), problem.nc
-    if why := "compliance" if problem.compliance_n.any() or problem.compliance_t.any() else "":
-        raise InputError(f"problem: FCLIB has no {why}")
-    dimension = 2 if nc and set(edges) <= {0, 2} and edges.any() else 3
-    if dimension == 3 and (why := _native.why_no_round_cone(problem._data)):
-        raise InputError(f"problem: FCLIB has the friction disc alone: {why}")
+    edges, nc, dimension = np.asarray(problem.edges), problem.nc, _dimension(problem)
     D, first = csc_matrix(problem.D), np.cumsum(edges) - edges
     parts, none = [csc_matrix(problem.N)], csc_matrix((len(problem.v), 1))
     wide = hstack([D, none]).tocsc()  # the last column for contacts without friction
@@ -246,8 +258,8 @@ def save(problem: Problem | Step, path: Any, answer: Answer | None = None) -> No
     from scipy.sparse import block_diag, csc_matrix
 
     whole, name = _problem(problem), _path(path)
-    if whole.kind == "lcp":
-        raise InputError("problem: a bare LCP is no problem of contacts")
+    if why := _why_not(whole):
+        raise InputError(f"problem: {why}")
     H, dimension = _directions(whole)
     inertia, local = whole.G, whole.G is None
     offset = np.column_stack([whole.b, whole.offset_t.reshape(-1, 2)[:, : dimension - 1]]).ravel()
@@ -293,10 +305,19 @@ def main() -> None:
                     recorder.add(problem)
             return
         os.makedirs(given.out, exist_ok=True)
+        written, left_out = 0, Counter[str]()
         for each in given.file:
             stem = os.path.basename(each).removesuffix(".scenes")
             for step in Scenes(each):
+                if why := _why_not(_problem(step)):
+                    left_out[why] += 1
+                    continue
                 save(step, os.path.join(given.out, f"{stem}-{step.step}.hdf5"))
+                written += 1
+        for why, count in left_out.items():
+            print(f"lcpbench: {count} of {written + left_out.total()} steps left out: {why}", file=sys.stderr)
+        if not written:
+            parser.exit(2, f"lcpbench: {given.out}: no step was written\n")
     except (InputError, OSError) as error:
         parser.exit(2, f"lcpbench: {error}\n")
 

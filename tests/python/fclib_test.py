@@ -59,7 +59,19 @@ def library():
     found = ctypes.CDLL(name)
     found.fclib_read_global.restype, found.fclib_read_local.restype = ctypes.POINTER(Global), ctypes.POINTER(Local)
     found.fclib_read_solution.restype = ctypes.POINTER(Solution)
+    found.fclib_merit_local.restype = ctypes.c_double
+    found.fclib_merit_local.argtypes = [ctypes.POINTER(Local), ctypes.c_int, ctypes.POINTER(Solution)]
     return found
+
+
+def natural_map(r, u, mu):
+    """What the impulses of a contact change by if they are moved by -(u + mu |u_t| n) and put back into the cone."""
+    moved = r - u - [mu * np.hypot(*u[1:]), 0, 0]
+    normal, tangent = moved[0], np.hypot(*moved[1:])
+    if tangent > mu * normal:
+        moved[0] = max(0, (normal + mu * tangent) / (1 + mu * mu))
+        moved[1:] *= mu * moved[0] / tangent
+    return r - moved
 
 
 def two_balls():
@@ -154,9 +166,19 @@ class Fclib(unittest.TestCase):
             np.testing.assert_allclose(again.M, problem.M, atol=1e-14)
             np.testing.assert_allclose(again.q, problem.q, atol=1e-14)
         fclib = library()
-        read = fclib.fclib_read_local(self.file.encode()).contents
-        np.testing.assert_allclose(dense(read.W), H.T @ np.linalg.inv(M) @ H, atol=1e-15)
-        np.testing.assert_allclose(read.q[:6], H.T @ [1, -2, 0.1], atol=1e-15)
+        answer = lcpbench.solve(problem, "cone_ipm{cone=true}")
+        lcpbench.fclib.save(problem, self.file, answer)
+        found = fclib.fclib_read_local(self.file.encode())
+        solution, read = fclib.fclib_read_solution(self.file.encode()), found.contents
+        W, q = dense(read.W), np.array(read.q[:6])
+        np.testing.assert_allclose(W, H.T @ np.linalg.inv(M) @ H, atol=1e-15)
+        np.testing.assert_allclose(q, H.T @ [1, -2, 0.1], atol=1e-15)
+        self.assertLess(fclib.fclib_merit_local(found, 0, solution), 1e-9)
+        for r in np.array([[1, 0.2, -0.1, 2, 1, -1], [0.1, 0.1, 0, 0.5, 0.2, 0.1]]):  # of which neither is a solution
+            solution.contents.r = (ctypes.c_double * 6)(*r)
+            maps = [natural_map(r[i : i + 3], (W @ r + q)[i : i + 3], 0.5) for i in (0, 3)]
+            self.assertAlmostEqual(fclib.fclib_merit_local(found, 0, solution) / np.linalg.norm(maps)
+                                   * (1 + np.sqrt(np.linalg.norm(q))), 1, 12)
 
     def test_what_is_outside_is_named(self):
         with self.assertRaisesRegex(lcpbench.InputError, "a bare LCP"):
@@ -220,6 +242,11 @@ class Fclib(unittest.TestCase):
         back = lcpbench.load(os.path.join(self.folder, "back.scenes"))[0].problem
         self.assertEqual(back.name, "steps-7.hdf5")
         np.testing.assert_allclose(back.q, two_balls().q, atol=1e-14)
+        with lcpbench.Recorder(steps) as recorder:  # of which FCLIB cannot hold the second
+            recorder.add(two_balls(), 7)
+            recorder.add(lcpbench.Problem(G=M, N=H[:, :1], v=[0, 0, 1], compliance_n=1e-3), 8)
+        some = run(steps, "--out", "files")
+        self.assertEqual((some.returncode, some.stderr), (0, "lcpbench: 1 of 2 steps left out: FCLIB has no compliance\n"))
         failed = run("files/steps-7.hdf5", steps, "--out", "back.scenes")
         self.assertEqual((failed.returncode, failed.stderr),
                          (2, f"lcpbench: {steps}: cannot be opened as an HDF5 file\n"))
