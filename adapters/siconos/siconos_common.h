@@ -30,13 +30,26 @@ inline auto siconos_options(int solver, double tolerance, std::int64_t max_itera
   return options;
 }
 
+struct FreeMatrix {
+  void operator()(NumericsMatrix* matrix) const {
+    NM_clear(matrix);
+    std::free(matrix);
+  }
+};
+
 struct FreeView {
   void operator()(NumericsMatrix* view) const {
     view->matrix0 = nullptr;
-    NM_clear(view);
-    std::free(view);
+    FreeMatrix{}(view);
   }
 };
+
+/// A matrix without entries, to which NM_entry adds.
+inline NumericsMatrix* siconos_sparse(Index rows, Index columns) {
+  NumericsMatrix* matrix = NM_create(NM_SPARSE, static_cast<int>(rows), static_cast<int>(columns));
+  NM_triplet_alloc(matrix, 0);
+  return matrix;
+}
 
 /// Siconos's view of a square matrix that stays ours: columns one after the other, as Eigen has them.
 inline std::unique_ptr<NumericsMatrix, FreeView> siconos_view(Matrix& M) {

@@ -7,6 +7,7 @@
 extern "C" {
 #include <FrictionContactProblem.h>
 #include <Friction_cst.h>
+#include <GlobalFrictionContactProblem.h>
 }
 
 #include "adapters/siconos/siconos_common.h"
@@ -15,7 +16,7 @@ extern "C" {
 namespace lcpbench {
 namespace {
 
-enum class Fc3dMethod { kNsgs, kNsnAc, kAdmm };
+enum class Fc3dMethod { kNsgs, kNsnAc, kAdmm, kIpm };
 
 struct SiconosFc3dSettings {
   static constexpr Capabilities capabilities{
@@ -31,14 +32,22 @@ struct SiconosFc3dSettings {
 
   void visit(auto&& field) {
     field("cone", cone, kConeHelp);
-    field(
-        "method", method,
-        Choices<Fc3dMethod>{{{"nsgs", Fc3dMethod::kNsgs}, {"nsn_ac", Fc3dMethod::kNsnAc}, {"admm", Fc3dMethod::kAdmm}}},
-        "nonsmooth Gauss-Seidel, the nonsmooth Newton method on Alart and Curnier's function, or ADMM");
+    field("method", method,
+          Choices<Fc3dMethod>{{{"nsgs", Fc3dMethod::kNsgs},
+                               {"nsn_ac", Fc3dMethod::kNsnAc},
+                               {"admm", Fc3dMethod::kAdmm},
+                               {"ipm", Fc3dMethod::kIpm}}},
+          "nonsmooth Gauss-Seidel, the nonsmooth Newton method on Alart and Curnier's function, ADMM, or the interior "
+          "point of global problems, which solves the convex relaxation and is judged by it");
     field("tolerance", tolerance, RealRange{.min = 0.0, .max = 1.0},
-          "on Siconos's error, relative to |q|; Siconos's defaults: 1e-4 for nsgs, 1e-3 for nsn_ac, 1e-6 for admm");
+          "on Siconos's error, relative to |q|; Siconos's defaults: 1e-4 for nsgs, 1e-3 for nsn_ac, 1e-6 for admm, "
+          "1e-10 for ipm");
     field("max_iterations", max_iterations, IntegerRange{.min = 1, .max = 1000000000},
-          "sweeps or steps at most; Siconos's defaults: 1000, 200 and 20000");
+          "sweeps or steps at most; Siconos's defaults: 1000, 200, 20000 and 1000");
+  }
+  FrictionModel friction_model() const {
+    if (!cone) return FrictionModel::kPyramid;
+    return method == Fc3dMethod::kIpm ? FrictionModel::kConvex : FrictionModel::kCone;
   }
 };
 
@@ -53,7 +62,54 @@ class SiconosFc3d final : public RoundConeAdapter<SiconosFc3dSettings> {
  private:
   std::string take(const Problem& problem) override {
     std::string refusal = cones_.load(problem, RoundCones::Frictionless::kThreeRows);
-    return refusal.empty() && settings_.method == Fc3dMethod::kNsgs ? why_not_nsgs() : refusal;
+    if (!refusal.empty()) return refusal;
+    if (settings_.method == Fc3dMethod::kIpm) return take_global(problem);
+    return settings_.method == Fc3dMethod::kNsgs ? why_not_nsgs() : "";
+  }
+
+  /// M v = H r + f, u = H'v + w, sparse. A contact without friction has tangents that move nothing.
+  std::string take_global(const Problem& problem) {
+    const ContactProblem* contact = problem.contact();
+    if (contact == nullptr || std::holds_alternative<InverseInertia>(contact->inertia)) {
+      return "method=ipm needs contacts with the inertia itself, not its inverse";
+    }
+    const Index coordinates = contact->ngc(), rows = cones_.q().size();
+    M_.reset(siconos_sparse(coordinates, coordinates));
+    H_.reset(siconos_sparse(coordinates, rows));
+    f_.setZero(coordinates);
+    w_.setZero(rows);
+    const auto add_block = [&](const Matrix& block, Index first) {
+      f_.segment(first, block.rows()) = block * contact->v.segment(first, block.rows());
+      add_entries(block, first, first, *M_);
+    };
+    if (std::holds_alternative<BlockInertia>(contact->inertia)) {
+      for_each_matrix(contact->inertia, add_block);
+    } else {
+      add_block(dense_inertia(contact->inertia), 0);
+    }
+    const Matrix N = to_dense(contact->N), D = to_dense(contact->D);
+    const ContactLayout layout = contact_layout(*contact);
+    for (Index i = 0; i < layout.nc; ++i) {
+      const Index row = cones_.normal_row(i);
+      add_entries(N.col(i), 0, row, *H_);
+      w_(row) = contact->offset(i);
+      if (!cones_.has_tangents(i)) continue;
+      const auto at = static_cast<std::size_t>(i);
+      for (int k = 0; k < 2; ++k) {
+        add_entries(D.col(layout.friction_begin[at] + k * contact->edges[at] / 4), 0, row + 1 + k, *H_);
+        w_(row + 1 + k) = contact->tangential_offset(i, k);
+      }
+    }
+    return {};
+  }
+
+  static void add_entries(const Matrix& block, Index first_row, Index first_column, NumericsMatrix& to) {
+    for (Index j = 0; j < block.cols(); ++j) {
+      for (Index i = 0; i < block.rows(); ++i) {
+        if (block(i, j) == 0) continue;
+        NM_entry(&to, static_cast<int>(first_row + i), static_cast<int>(first_column + j), block(i, j));
+      }
+    }
   }
 
   /// An assertion of Siconos ends the process at such a contact. @returns "" where there is none
@@ -73,16 +129,23 @@ class SiconosFc3d final : public RoundConeAdapter<SiconosFc3dSettings> {
     Matrix W = cones_.W();
     Vector q = cones_.q();
     Vector mu(cones_.contacts());
-    for (Index i = 0; i < mu.size(); ++i) mu(i) = cones_.mu(i);
+    const bool global = settings_.method == Fc3dMethod::kIpm;  // which divides by mu
+    for (Index i = 0; i < mu.size(); ++i) mu(i) = global && !cones_.has_tangents(i) ? 1 : cones_.mu(i);
     Vector r = request.start != nullptr ? cones_.read(*request.start) : Vector::Zero(q.size());
     Vector u = Vector::Zero(q.size());
     const auto view = siconos_view(W);
     FrictionContactProblem problem{3, static_cast<int>(cones_.contacts()), view.get(), q.data(), mu.data()};
-    const int method = settings_.method == Fc3dMethod::kNsgs    ? SICONOS_FRICTION_3D_NSGS
+    const int method = global                                   ? SICONOS_GLOBAL_FRICTION_3D_IPM
+                       : settings_.method == Fc3dMethod::kNsgs  ? SICONOS_FRICTION_3D_NSGS
                        : settings_.method == Fc3dMethod::kNsnAc ? SICONOS_FRICTION_3D_NSN_AC
                                                                 : SICONOS_FRICTION_3D_ADMM;
     const auto options = siconos_options(method, settings_.tolerance, settings_.max_iterations);
-    const int info = fc3d_driver(&problem, r.data(), u.data(), options.get());
+    GlobalFrictionContactProblem whole{
+        3,      problem.numberOfContacts, M_.get(), H_.get(), f_.data(), f_.norm(), w_.data(), w_.norm(), mu.data(),
+        nullptr};
+    Vector v = Vector::Zero(f_.size());
+    const int info = global ? gfc3d_driver(&whole, r.data(), u.data(), v.data(), options.get())
+                            : fc3d_driver(&problem, r.data(), u.data(), options.get());
     answer.counters.iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
     answer.claim = siconos_claim(info, answer.counters.iterations, settings_.max_iterations);
     cones_.write(r, answer.z);
@@ -95,6 +158,9 @@ class SiconosFc3d final : public RoundConeAdapter<SiconosFc3dSettings> {
                   cones_.frictional() ? "another problem: the round friction cone; " : "", info, error);
     return text;
   }
+
+  std::unique_ptr<NumericsMatrix, FreeMatrix> M_, H_;  // of the global problem
+  Vector f_, w_;
 };
 
 #endif

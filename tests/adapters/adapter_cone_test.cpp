@@ -81,6 +81,22 @@ TEST(AdapterConeTest, FrictionActsAgainstTheSlip) {
   }
 }
 
+// Of contacts that slide the interior point solves the relaxation: the block of 2 kg lifts off at mu = 1/4 times its
+// slip of 4 m/s, with 8 N s and 2 N s against the slip.
+TEST(AdapterConeTest, TheGlobalInteriorPointSolvesTheRelaxation) {
+  const char* solver = "siconos_fc3d{cone=true,method=ipm}";
+  if (missing(solver)) GTEST_SKIP() << solver << " is not installed";
+  const Problem problem = drop({3.0, 4.0, -3.0});
+  const Answer answer = run(solver, problem).answer;
+  EXPECT_LE((answer.z - Vector{{8.0, 0.0, 0.0, 1.2, 1.6, 3.2}}).lpNorm<Eigen::Infinity>(), 1e-8) << answer.z.transpose();
+  const auto friction = find_solver("siconos_fc3d").definition.friction;
+  EXPECT_EQ(friction(parse_spec(solver).options), FrictionModel::kConvex);
+  ContactProblem without = *problem.contact();
+  without.inertia = InverseInertia{inverse_inertia(without.inertia)};
+  EXPECT_EQ(run(solver, Problem("inverse", without)).answer.detail,
+            "method=ipm needs contacts with the inertia itself, not its inverse");
+}
+
 // The directions next to atan2(4, 3) are those at 45 and 90 degrees: 0.9 sqrt(2) on the first leaves 0.3 for the
 // second.
 TEST(AdapterConeTest, ImpulsesComeBackOnTheDirectionsBesideThem) {
