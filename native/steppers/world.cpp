@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 namespace lcpbench::steppers {
 namespace {
@@ -48,13 +50,10 @@ double larger_eigenvalue(double a, double b, double c) {
     body.v = from.linear_velocity - body.force_v;
     body.w = from.angular_velocity - body.force_w;
   }
-  contacts.resize(scene.contacts.size());
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const RigidContact& from = scene.contacts[i];
-    StepContact& contact = contacts[i];
+  set_order(scene);
+  for (StepContact& contact : contacts) {
+    const RigidContact& from = scene.contacts[contact.number];
     const bool on_world = from.body_b == RigidContact::kWorld;
-    contact.a = static_cast<std::size_t>(from.body_a);
-    contact.b = on_world ? bodies.size() - 1 : static_cast<std::size_t>(from.body_b);
     contact.frame << from.normal.transpose(), from.tangent.transpose(), from.normal.cross(from.tangent).transpose();
     contact.arm_a = contact.start_a = from.point - scene.bodies[contact.a].position;
     if (on_world)
@@ -62,15 +61,47 @@ double larger_eigenvalue(double a, double b, double c) {
     else
       contact.start_b = from.point - scene.bodies[contact.b].position;
     contact.arm_b = contact.start_b;
-    contact.gap = contact.start_gap = step.gaps[i];
+    contact.gap = contact.start_gap = step.gaps[contact.number];
     contact.impulse.setZero();
     contact.mu = from.edges > 0 ? from.mu : 0;
     contact.bounce = contact.gap > 0 ? 0 : -from.b;
-    set_levers(contact);
+    contact.lever_a = levers(contact.arm_a, contact.frame);
+    contact.lever_b = levers(contact.arm_b, contact.frame);
+    contact.turn_a = bodies[contact.a].inverse_inertia * contact.lever_a;
+    contact.turn_b = bodies[contact.b].inverse_inertia * contact.lever_b;
     Matrix3d inverse = contact.lever_a.transpose() * contact.turn_a + contact.lever_b.transpose() * contact.turn_b;
     inverse.diagonal().array() += bodies[contact.a].inverse_mass + bodies[contact.b].inverse_mass;
+    contact.normal_to_tangents = inverse.col(0).tail<2>();
     contact.normal_mass = 1 / inverse(0, 0);
     contact.tangent_mass = 1 / larger_eigenvalue(inverse(1, 1), inverse(2, 1), inverse(2, 2));
+  }
+}
+
+/// A contact's turn is the first after those of its bodies' earlier contacts.
+void World::set_order(const RigidScene& scene) {
+  contacts.resize(scene.contacts.size());
+  turns_.clear();
+  next_turn_.assign(bodies.size(), 0);
+  begins_.assign(1, 0);
+  const auto bodies_of = [&](const RigidContact& contact) {
+    return std::pair(static_cast<std::size_t>(contact.body_a), contact.body_b == RigidContact::kWorld
+                                                                   ? bodies.size() - 1
+                                                                   : static_cast<std::size_t>(contact.body_b));
+  };
+  for (const RigidContact& contact : scene.contacts) {
+    const auto [a, b] = bodies_of(contact);
+    const std::size_t turn = std::max(next_turn_[a], next_turn_[b]);
+    next_turn_[a] = turn + 1;
+    if (b + 1 < bodies.size()) next_turn_[b] = turn + 1;
+    turns_.push_back(turn);
+    begins_.resize(std::max(begins_.size(), turn + 2), 0);
+    ++begins_[turn + 1];
+  }
+  std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+  for (std::size_t i = 0; i < turns_.size(); ++i) {
+    StepContact& contact = contacts[begins_[turns_[i]]++];
+    contact.number = i;
+    std::tie(contact.a, contact.b) = bodies_of(scene.contacts[i]);
   }
 }
 
@@ -96,20 +127,8 @@ void World::update(StepContact& contact) const {
   contact.gap = contact.start_gap + contact.frame.row(0).dot(apart(contact));
 }
 
-void World::set_levers(StepContact& contact) const {
-  contact.lever_a = levers(contact.arm_a, contact.frame);
-  contact.lever_b = levers(contact.arm_b, contact.frame);
-  contact.turn_a = bodies[contact.a].inverse_inertia * contact.lever_a;
-  contact.turn_b = bodies[contact.b].inverse_inertia * contact.lever_b;
-  contact.normal_to_tangents = contact.lever_a.rightCols<2>().transpose() * contact.turn_a.col(0) +
-                               contact.lever_b.rightCols<2>().transpose() * contact.turn_b.col(0);
-}
-
 [[gnu::flatten]] void World::update_contacts() {
-  for (StepContact& contact : contacts) {
-    update(contact);
-    set_levers(contact);
-  }
+  for (StepContact& contact : contacts) update(contact);
 }
 
 Vector3d World::apart(const StepContact& contact) const {
@@ -193,11 +212,11 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
     return;
   }
   world_.load(problem);
-  for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
-    StepContact& contact = world_.contacts[i];
-    const auto known = std::lower_bound(impulses_.begin(), impulses_.end(), problem.ids[i],
-                                        [](const auto& each, ContactId id) { return each.first < id; });
-    if (known == impulses_.end() || known->first != problem.ids[i]) continue;
+  for (StepContact& contact : world_.contacts) {
+    const ContactId id = problem.ids[contact.number];
+    const auto known = std::lower_bound(impulses_.begin(), impulses_.end(), id,
+                                        [](const auto& each, ContactId other) { return each.first < other; });
+    if (known == impulses_.end() || known->first != id) continue;
     contact.impulse = contact.frame * known->second;
     // Where the normal has turned, the last impulse has tangential parts. Without friction no sweep changes these.
     if (contact.mu == 0) contact.impulse.tail<2>().setZero();
@@ -211,9 +230,8 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
     return;
   }
   answer.claim = Claim::kIterationLimit;
-  for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
-    const StepContact& contact = world_.contacts[i];
-    impulses_.emplace_back(problem.ids[i], contact.frame.transpose() * contact.impulse);
+  for (const StepContact& contact : world_.contacts) {
+    impulses_.emplace_back(problem.ids[contact.number], contact.frame.transpose() * contact.impulse);
   }
   std::sort(impulses_.begin(), impulses_.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
 }

@@ -26,6 +26,7 @@ struct MovingBody {
 
 /// A contact whose point is fixed in both bodies and whose normal is fixed in space during the step.
 struct StepContact {
+  std::size_t number = 0;  ///< in the scene
   std::size_t a = 0;
   std::size_t b = 0;  ///< the world is a body that cannot move, the last one
   Matrix3d frame;     ///< rows: normal from b into a, tangent, second tangent
@@ -38,7 +39,7 @@ struct StepContact {
   double mu = 0;
   double bounce = 0;                    ///< [m/s] the normal velocity after a bounce, 0 where it does not bounce
   Vector3d impulse = Vector3d::Zero();  ///< [N s] along the rows of the frame
-  Matrix3d lever_a;                     ///< columns: arm_a x each row of the frame
+  Matrix3d lever_a;                     ///< columns: start_a x each row of the frame
   Matrix3d lever_b;
   Matrix3d turn_a;                     ///< change of w that a unit impulse along each row makes
   Matrix3d turn_b;                     ///< of b, which gets the opposite impulse: -turn_b
@@ -72,6 +73,8 @@ struct Projection {
 class World {
  public:
   std::vector<MovingBody> bodies;
+  /// Each body has its contacts in the scene's order. Between two of them stand as many as can of other bodies: the
+  /// processor then works on several at once.
   std::vector<StepContact> contacts;
   int moves = 0;  ///< since load()
 
@@ -95,7 +98,7 @@ class World {
   void clear_impulses();
 
   /// One Gauss-Seidel sweep with the round cone: of each contact first the normal, then both tangents at once. The
-  /// levers are those of load() and of the last move().
+  /// levers are those of load(), as in Box2D 3.
   template <class Rule>
   void sweep(Rule&& rule) {
     for (StepContact& contact : contacts) {
@@ -113,12 +116,14 @@ class World {
   void write(double h, StepAnswer& answer) const;
 
  private:
-  void set_levers(StepContact& contact) const;
+  void set_order(const RigidScene& scene);
   /// apply() with the levers.
   void change(const StepContact& contact, const Vector3d& impulse);
+
+  std::vector<std::size_t> turns_, next_turn_, begins_;  // scratch of set_order()
 };
 
-// A chain of contacts is solved one after the other: what counts is how long a contact takes from the velocities that
+// Contacts of one body are solved one after the other: what counts is how long a contact takes from the velocities that
 // it reads to those that it writes. So the velocity is read once, and friction knows what the normal impulse does to
 // it.
 [[gnu::flatten]] inline void World::solve(StepContact& contact, const Demand& demand, bool friction) {
