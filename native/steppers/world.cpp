@@ -212,11 +212,19 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
     return;
   }
   world_.load(problem);
+  bool sorted = false;
   for (StepContact& contact : world_.contacts) {
     const ContactId id = problem.ids[contact.number];
-    const auto known = std::lower_bound(impulses_.begin(), impulses_.end(), id,
-                                        [](const auto& each, ContactId other) { return each.first < other; });
-    if (known == impulses_.end() || known->first != id) continue;
+    auto known = impulses_.begin() + static_cast<std::ptrdiff_t>(std::min(contact.number, impulses_.size()));
+    if (known == impulses_.end() || known->first != id) {
+      if (!sorted) {
+        std::sort(impulses_.begin(), impulses_.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+      }
+      sorted = true;
+      known = std::lower_bound(impulses_.begin(), impulses_.end(), id,
+                               [](const auto& each, ContactId other) { return each.first < other; });
+      if (known == impulses_.end() || known->first != id) continue;
+    }
     contact.impulse = contact.frame * known->second;
     // Where the normal has turned, the last impulse has tangential parts. Without friction no sweep changes these.
     if (contact.mu == 0) contact.impulse.tail<2>().setZero();
@@ -230,10 +238,10 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
     return;
   }
   answer.claim = Claim::kIterationLimit;
+  impulses_.resize(world_.contacts.size());
   for (const StepContact& contact : world_.contacts) {
-    impulses_.emplace_back(problem.ids[contact.number], contact.frame.transpose() * contact.impulse);
+    impulses_[contact.number] = {problem.ids[contact.number], contact.frame.transpose() * contact.impulse};
   }
-  std::sort(impulses_.begin(), impulses_.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
 }
 
 }  // namespace lcpbench::steppers

@@ -172,7 +172,7 @@ class BodyStepper : public Stepper {
 
  private:
   World world_;
-  std::vector<std::pair<ContactId, Vector3d>> impulses_;  // of the step before, in the axes of the world; by id
+  std::vector<std::pair<ContactId, Vector3d>> impulses_;  // of the step before, in the axes of the world
 };
 
 }  // namespace lcpbench::steppers
