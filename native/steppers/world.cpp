@@ -65,13 +65,9 @@ double larger_eigenvalue(double a, double b, double c) {
     contact.impulse.setZero();
     contact.mu = from.edges > 0 ? from.mu : 0;
     contact.bounce = contact.gap > 0 ? 0 : -from.b;
-    contact.lever_a = levers(contact.arm_a, contact.frame);
-    contact.lever_b = levers(contact.arm_b, contact.frame);
-    contact.turn_a = bodies[contact.a].inverse_inertia * contact.lever_a;
-    contact.turn_b = bodies[contact.b].inverse_inertia * contact.lever_b;
+    set_levers(contact);
     Matrix3d inverse = contact.lever_a.transpose() * contact.turn_a + contact.lever_b.transpose() * contact.turn_b;
     inverse.diagonal().array() += bodies[contact.a].inverse_mass + bodies[contact.b].inverse_mass;
-    contact.normal_to_tangents = inverse.col(0).tail<2>();
     contact.normal_mass = 1 / inverse(0, 0);
     contact.tangent_mass = 1 / larger_eigenvalue(inverse(1, 1), inverse(2, 1), inverse(2, 2));
   }
@@ -127,8 +123,20 @@ void World::update(StepContact& contact) const {
   contact.gap = contact.start_gap + contact.frame.row(0).dot(apart(contact));
 }
 
+void World::set_levers(StepContact& contact) const {
+  contact.lever_a = levers(contact.arm_a, contact.frame);
+  contact.lever_b = levers(contact.arm_b, contact.frame);
+  contact.turn_a = bodies[contact.a].inverse_inertia * contact.lever_a;
+  contact.turn_b = bodies[contact.b].inverse_inertia * contact.lever_b;
+  contact.normal_to_tangents = contact.lever_a.rightCols<2>().transpose() * contact.turn_a.col(0) +
+                               contact.lever_b.rightCols<2>().transpose() * contact.turn_b.col(0);
+}
+
 [[gnu::flatten]] void World::update_contacts() {
-  for (StepContact& contact : contacts) update(contact);
+  for (StepContact& contact : contacts) {
+    update(contact);
+    set_levers(contact);
+  }
 }
 
 Vector3d World::apart(const StepContact& contact) const {

@@ -39,7 +39,7 @@ struct StepContact {
   double mu = 0;
   double bounce = 0;                    ///< [m/s] the normal velocity after a bounce, 0 where it does not bounce
   Vector3d impulse = Vector3d::Zero();  ///< [N s] along the rows of the frame
-  Matrix3d lever_a;                     ///< columns: start_a x each row of the frame
+  Matrix3d lever_a;                     ///< columns: arm_a x each row of the frame
   Matrix3d lever_b;
   Matrix3d turn_a;                     ///< change of w that a unit impulse along each row makes
   Matrix3d turn_b;                     ///< of b, which gets the opposite impulse: -turn_b
@@ -98,7 +98,7 @@ class World {
   void clear_impulses();
 
   /// One Gauss-Seidel sweep with the round cone: of each contact first the normal, then both tangents at once. The
-  /// levers are those of load(), as in Box2D 3.
+  /// levers are those of load() and of the last move().
   template <class Rule>
   void sweep(Rule&& rule) {
     for (StepContact& contact : contacts) {
@@ -117,6 +117,7 @@ class World {
 
  private:
   void set_order(const RigidScene& scene);
+  void set_levers(StepContact& contact) const;
   /// apply() with the levers.
   void change(const StepContact& contact, const Vector3d& impulse);
 
