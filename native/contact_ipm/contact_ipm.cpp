@@ -13,8 +13,8 @@
 namespace lcpbench {
 namespace {
 
-/// Of the start: every product is at least the square of this part of max|q|, and friction takes this part of its cone.
-constexpr double kLeastStart = 0.3, kUsedCone = 0.8;
+/// Of its cone, which the friction of the start takes.
+constexpr double kUsedCone = 0.8;
 /// Of the step to the nearest boundary. [Mehrotra 1992]
 constexpr double kBoundaryFraction = 0.995;
 /// Where the corrector's step is shorter than the first, the step is repeated without second-order terms, towards at
@@ -25,7 +25,7 @@ constexpr double kCentring = 0.8;
 constexpr std::int64_t kMostIdleSteps = 12;
 constexpr double kShortestStep = 1e-8;
 /// The compliance with which proximal problems begin then, see ProximalNewton::kFirstShare.
-constexpr double kShareAfterFold = 1e-3;
+constexpr double kShareAfterFold = 2e-3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Fitted to times of scenes: work for each coordinate of a contact and for each pair, in one step.
@@ -146,9 +146,10 @@ Eigen::Vector3d ContactIpm::velocity(std::size_t contact) const {
 }
 
 /// The velocity before the impact, and at each contact the impulses that would stop it alone, as far as friction can.
+/// Normal impulses and slacks are at least max|q|: smaller ones take more steps.
 void ContactIpm::set_start() {
   now_at_.velocity = state_.u0;
-  const double least = kLeastStart * state_.q_max;
+  const double least = state_.q_max;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
     const Eigen::Vector3d w = velocity(i);
