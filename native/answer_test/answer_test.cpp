@@ -144,9 +144,8 @@ void AnswerTest::release() {
 }
 
 bool AnswerTest::solves_bodies() {
-  double allowed = may_be_unsolvable_ ? 0 : allowed_;
-  if (bodies_test_.complete_in_double(completed_).certain <= std::max(kClaimedResidual, allowed)) return true;
-  allowed = std::max(kClaimedQuadResidual, allowed);
+  if (bodies_test_.complete_in_double(completed_).certain <= std::max(kClaimedResidual, allowed_)) return true;
+  const double allowed = std::max(kClaimedQuadResidual, allowed_);
   if (bodies_test_.least() > allowed) return false;
   const double work = bodies_test_.work_in_quad();
   if (!has_time_for(kSecondsPerMultiplication * work)) return false;

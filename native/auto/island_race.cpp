@@ -30,6 +30,10 @@ constexpr double kShapeOfRest = 4;
 /// a slip ratio of 1. From this one on it did so on a quarter of the steps.
 constexpr double kStickingByFriction = 0.5;
 
+/// Of the work of a race, over the least predicted and over that of ContactFarkas; and what a multiplication of the
+/// latter takes. It takes about as many steps as its tableau has columns.
+constexpr double kWorkOverProof = 4, kNsOfProof = 0.25;
+
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
 
@@ -202,6 +206,7 @@ bool IslandRace::race(const Vector* start, const AutoLimits& limits, Answer& ans
                                    .error = error,
                                    .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
                                    .accepted = largest_claimed(),
+                                   .proof_at = work_before_proof(),
                                    .ends_early = limits.error == 0,
                                    .deadline_s = now_s + (1 - kTimeForTest) * (limits.deadline_s - now_s)},
                                   answer);
@@ -222,12 +227,26 @@ bool IslandRace::race(const Vector* start, const AutoLimits& limits, Answer& ans
   return true;
 }
 
-/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that
-/// need not have a solution, is that of the verdict.
+/// After this work of the race a proof that there is no solution is looked for: what has one mostly ends before, and
+/// else loses little. Infinity: there is always one, as far as such proofs tell.
+double IslandRace::work_before_proof() {
+  const ContactProblem& contact = *problem_->contact();
+  if (!contact.frictional() || !may_be_unsolvable(contact)) return kInfinity;  // without friction active_set proves it
+  const auto rows = static_cast<double>(contact.ngc()), width = rows + static_cast<double>(contact.nc());
+  return kWorkOverProof * std::max(predicted(), kNsOfProof * rows * width * width);
+}
+
+bool IslandRace::disproves(Answer& answer) {
+  answer.clear();
+  loaded_test().settle_ray(answer, limits_.deadline_s);
+  return answer.claim == Claim::kUnsolvable;
+}
+
+/// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks is that of
+/// the verdict.
 double IslandRace::aim_of(double error) const {
   const ContactProblem& contact = *problem_->contact();
-  const bool is_judged_by_bodies = std::holds_alternative<BlockInertia>(contact.inertia) && !may_be_unsolvable(contact);
-  return is_judged_by_bodies ? error : std::min(error, largest_claimed());
+  return std::holds_alternative<BlockInertia>(contact.inertia) ? error : std::min(error, largest_claimed());
 }
 
 /// The largest residual that AnswerTest confirms.
@@ -235,15 +254,19 @@ double IslandRace::largest_claimed() const {
   return may_be_singular(*problem_->contact()) ? kSureResidual : kClaimedResidual;
 }
 
-bool IslandRace::passes(const Vector& best, Answer& answer) {
-  answer.clear();
-  answer.z = best;
-  answer.claim = Claim::kSolved;
+AnswerTest& IslandRace::loaded_test() {
   if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
   has_test_ = true;
   test_.set_velocity(v_);
   test_.allow(aim_of(limits_.error));
-  return test_.settle(answer, limits_.deadline_s) || answer.claim == Claim::kUnsolvable;
+  return test_;
+}
+
+bool IslandRace::passes(const Vector& best, Answer& answer) {
+  answer.clear();
+  answer.z = best;
+  answer.claim = Claim::kSolved;
+  return loaded_test().settle(answer, limits_.deadline_s) || answer.claim == Claim::kUnsolvable;
 }
 
 /// Hands out the best iterate: as the answer, if it passes the test of one.

@@ -63,6 +63,7 @@ class IslandRace final : private Stable {
   std::span<const Entrant> entrants() override;
   ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
   bool passes(const Vector& best, Answer& answer) override;
+  bool disproves(Answer& answer) override;
   void enter();
   void choose();
   void expect_rest();
@@ -70,6 +71,8 @@ class IslandRace final : private Stable {
   std::size_t entrant_of(AutoMethod method) const;
   double aim_of(double error) const;
   double largest_claimed() const;
+  double work_before_proof();
+  AnswerTest& loaded_test();
   Order order();
   double cost_of_active_sets() const;
   double cost_of_interior_point();

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLargestLog = 60;
 
 /// Of dense methods, of velocity_ipm, of contact_ipm, and of others that converge, whose work is less certain.
-constexpr double kShapeOfDense = 1.1, kShapeOfInteriorPoint = 2, kShapeOfNewton = 1.6, kShapeOfConverging = 0.7;
+constexpr double kShapeOfDense = 1.1, kShapeOfInteriorPoint = 2, kShapeOfNewton = 3, kShapeOfConverging = 0.7;
 
 /// Of contact_ipm, over its prediction: where another method is about as fast, that one ends at rest or to rounding.
 constexpr double kCaution = 2;

@@ -1,6 +1,7 @@
 #include "native/auto/race.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/timed_solve.h"
 #include "native/auto/powers.h"
@@ -19,6 +20,10 @@ constexpr double kLeastGain = 1e-3;
 /// A prediction whose shape is above kShapeByResidual counts up to so many times the predicted work.
 constexpr double kTrusted = 2;
 
+/// If no error was stated, what a method claims with a residual above so many times the aim is an iterate as others
+/// are.
+constexpr double kPoor = 100;
+
 /// Largest residual, over that of z = 0, of an iterate to begin from; a worse one misleads more often than it helps.
 constexpr double kWorthLearning = 0.1;
 
@@ -32,7 +37,6 @@ double Race::work() const {
 
 /// Keeps the entrant's best iterate in best_, if it is better than that. @returns its residual
 double Race::note(std::size_t entrant) {
-  iterate_.resize(terms_.size);
   const double residual = runs_[entrant].solver->best(iterate_);
   if (residual < best_residual_) {
     best_residual_ = residual;
@@ -98,8 +102,11 @@ Race::End Race::turn(std::size_t entrant, double work) {
   run.has_ended = run.solver->go_on((std::max(work, kLeastTurn) - run.work) / now.weight, terms_.deadline_s, *answer_);
   run.work = run.begun_at + now.weight * run.solver->work();
   if (run.has_ended && (answer_->claim == Claim::kSolved || answer_->claim == Claim::kUnsolvable)) {
-    winner_ = entrant;
-    return End::kClaimed;
+    const bool may_be_poor = terms_.ends_early && now.converges && answer_->claim == Claim::kSolved;
+    if (!may_be_poor || !(run.solver->best(iterate_) > kPoor * terms_.aim)) {
+      winner_ = entrant;
+      return End::kClaimed;
+    }
   }
   const double residual = note(entrant);
   if (now.converges) expect(entrant, residual);
@@ -114,25 +121,28 @@ Race::End Race::turn(std::size_t entrant, double work) {
 }
 
 /// See Race, 2.
-double Race::index(std::size_t entrant) const {
+Race::Turn Race::best_turn(std::size_t entrant) const {
   const Run& run = runs_[entrant];
   const double done = std::max(run.work, kLeastTurn);
   const auto odds_of_end = [&run](double work) { return power(work / run.expected, run.shape); };
-  const double goes_on = (1 + odds_of_end(done)) / (1 + odds_of_end(kStretch * done));
   const double load = run.solver == nullptr ? run.work : 0;
-  return (1 - goes_on) / (load + (kStretch - 1) * done * (1 + goes_on) / 2);
+  const double horizon = run.shape >= kCertain ? kHorizon * run.expected : 0;
+  Turn best;
+  for (const double end : {kStretch * done, horizon}) {
+    if (!(end > done)) continue;
+    const double goes_on = (1 + odds_of_end(done)) / (1 + odds_of_end(end));
+    const double index = (1 - goes_on) / (load + (end - done) * (1 + goes_on) / 2);
+    if (index > best.index) best = {entrant, end, index};
+  }
+  return best;
 }
 
-/// The entrant whose turn it is; kMostEntrants: all have ended.
-std::size_t Race::next() const {
-  std::size_t next = kMostEntrants;
-  double largest = -kInfinity;
+/// Of the entrants that do not wait.
+Race::Turn Race::next() const {
+  Turn next;
   for (std::size_t k = 0; k < count_; ++k) {
     if (runs_[k].has_ended || runs_[k].work > kLead * level()) continue;
-    if (const double index = this->index(k); index > largest) {
-      largest = index;
-      next = k;
-    }
+    if (const Turn turn = best_turn(k); turn.index > next.index) next = turn;
   }
   return next;
 }
@@ -157,10 +167,11 @@ void Race::enter(std::size_t entrant, const Entrant& now) {
 std::size_t Race::first(std::span<const Entrant> entrants) {
   count_ = entrants.size();
   for (std::size_t k = 0; k < count_; ++k) enter(k, entrants[k]);
-  return next();
+  return next().entrant;
 }
 
 Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
+  reserve(terms.size);
   stable_ = &stable;
   terms_ = terms;
   answer_ = &answer;
@@ -183,11 +194,16 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   runs_[0].expected = entrants[0].cost;
   runs_[0].shape = entrants[0].shape;
   for (;;) {
-    const std::size_t k = next();
+    const Turn next = this->next();
+    const std::size_t k = next.entrant;
+    if (std::isfinite(terms_.proof_at) && (k == kMostEntrants || work() >= terms_.proof_at)) {
+      terms_.proof_at = kInfinity;
+      if (stable.disproves(answer)) return End::kClaimed;
+    }
     if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
     const bool residual_counts = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].solver != nullptr &&
                                  runs_[k].solver->residual_tells();
-    const End end = turn(k, std::min((residual_counts ? kLook : kStretch) * runs_[k].work, 2 * kLead * level()));
+    const End end = turn(k, std::min(residual_counts ? kLook * runs_[k].work : next.end, 2 * kLead * level()));
     if (end != End::kNone) return end;
   }
 }

@@ -39,6 +39,8 @@ class Stable {
   /// Whether an iterate at the aim, which no entrant claims, is an answer, or leads to a proof that there is none.
   /// Writes that.
   virtual bool passes(const Vector& best, Answer& answer) = 0;
+  /// Whether a proof is found that there is no answer. Writes that.
+  virtual bool disproves(Answer& /*answer*/) { return false; }
 };
 
 /// Lets several methods take turns at one problem until one of them has an answer. In its next turn a method goes on
@@ -46,13 +48,14 @@ class Stable {
 /// the race.
 ///
 /// 1. If the load of the first entrant costs at most kHeadStart, it begins, and does that much with its load.
-/// 2. Then the entrant has the next turn whose index is the largest, until it has done kStretch times its work. What an
-///    entrant takes in all is not known. It has a log-logistic distribution: the probability that it takes more than t
-///    is 1 / (1 + (t / m)^shape). The index of an entrant that has done w (at least kLeastTurn) is
+/// 2. Then the entrant has the next turn whose index is the largest. What an entrant takes in all is not known. It has a
+///    log-logistic distribution: the probability that it takes more than t is 1 / (1 + (t / m)^shape). The index of an
+///    entrant that has done w (at least kLeastTurn) is
 ///
-///        the probability that it ends by kStretch w, as it has not ended by w,
-///        over the work that is to be expected until then, with the load if it has not begun. [Gittins 1979]
+///        the probability that it ends by t, as it has not ended by w,
+///        over the work that is to be expected until then, with the load if it has not begun, [Gittins 1979]
 ///
+///    for t = kStretch w or, if its shape is at least kCertain, kHorizon m, whichever gives more. Its turn ends at t.
 ///    Median m and shape are at first what was predicted. After a turn of an entrant that converges, and has come to a
 ///    residual r, m is w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; kStalled w
 ///    if r was at the aim before this turn and it still claims nothing. The shape is then kShapeByResidual. A
@@ -80,8 +83,10 @@ class Race {
  public:
   static constexpr std::size_t kMostEntrants = 5;
   static constexpr double kHeadStart = 16'000;
-  static constexpr double kLead = 6;
+  static constexpr double kLead = 9;
   static constexpr double kStretch = 4;
+  static constexpr double kCertain = 2;
+  static constexpr double kHorizon = 2;
   static constexpr double kLook = 1.5;
   static constexpr double kSlowness = 0.2;
   static constexpr double kStalled = 4;
@@ -98,6 +103,7 @@ class Race {
     double error = 0;               ///< see ResumableSolver::begin
     double aim = 1e-9;              ///< residual at which methods that converge end
     double accepted = 0;            ///< residual of an iterate that is an answer, if nothing better is found
+    double proof_at = std::numeric_limits<double>::infinity();  ///< work() from which Stable::disproves() is asked, once
     bool ends_early = false;        ///< such an iterate ends the race some work later, see kPatience
     double deadline_s = std::numeric_limits<double>::infinity();  ///< on wall_clock_s()
   };
@@ -149,8 +155,13 @@ class Race {
   double note(std::size_t entrant);
   double slowness(double residual) const;
   void expect(std::size_t entrant, double residual);
-  double index(std::size_t entrant) const;
-  std::size_t next() const;
+  struct Turn {
+    std::size_t entrant = kMostEntrants;  ///< that: all have ended
+    double end = 0;                       ///< its work then
+    double index = -std::numeric_limits<double>::infinity();
+  };
+  Turn best_turn(std::size_t entrant) const;
+  Turn next() const;
   double level() const;  ///< the least work of those that have not ended
 
   std::array<Entrant, kMostEntrants> entrants_;

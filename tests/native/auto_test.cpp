@@ -11,6 +11,7 @@
 #include "tests/native/auto_checks.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/box_stacks.h"
+#include "tests/support/brick_wall.h"
 #include "tests/support/contacts.h"
 
 namespace lcpbench::auto_test {
@@ -158,6 +159,20 @@ TEST(AutoTest, ProvesNothingAboutTheNextProblem) {
   solver->solve({}, answer);
   EXPECT_EQ(answer.claim, Claim::kSolved);
   EXPECT_EQ(answer.farkas.size(), 0);
+}
+
+// A negative offset, as of a restitution, used to ask for the error of the verdict.
+TEST(AutoTest, AStatedErrorIsEnoughWhereAnOffsetIsNegative) {
+  const Problem wall("wall", testing::frictional_brick_wall(6, 8, 0.5));
+  ContactProblem contact = *wall.contact();
+  contact.b = Vector::Zero(contact.nc());
+  contact.b(0) = -1e-3;
+  const Problem problem("bounces", contact);
+  const Answer answer = solve("auto{error=1e-2}", problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  const double residual = Evaluator(problem).errors(answer).velocity_residual_relative;
+  EXPECT_LE(residual, 1e-2);
+  EXPECT_GT(residual, 1e-4);
 }
 
 // --- steps ---

@@ -82,6 +82,11 @@ class Runners final : public Stable {
     to.z = best;
     return true;
   }
+  bool disproves(Answer& to) override {
+    ++proofs;
+    if (has_proof) to.claim = Claim::kUnsolvable;
+    return has_proof;
+  }
   Race::End run(const Race::Terms& terms = {}) { return race.run(*this, terms, answer); }
   Runner& operator[](std::size_t k) { return *all[k]; }
 
@@ -89,6 +94,8 @@ class Runners final : public Stable {
   std::vector<std::unique_ptr<Runner>> all;
   double passing_residual = 0;
   int tests = 0;
+  bool has_proof = false;
+  int proofs = 0;
   Race race;
   Answer answer;
 };
@@ -151,6 +158,25 @@ TEST(RaceTest, GivesTheFirstTurnToTheLeastPrediction) {
   EXPECT_EQ(runners.run(), Race::End::kClaimed);
   EXPECT_EQ(runners.race.winner(), 1U);
   EXPECT_EQ(runners[0].loads + runners[2].loads, 0);
+}
+
+TEST(RaceTest, LetsAMethodOfACertainPredictionGoOnToItsEnd) {
+  Runners runners({{.cost = 1e6, .shape = 3, .load_cost = 1e5}, {.cost = 1.5e6, .load_cost = 1e5}});
+  runners[0].needs = 1e6;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners[1].loads, 0);
+}
+
+TEST(RaceTest, AsksOnceWhetherThereIsNoAnswer) {
+  for (const bool has_proof : {true, false}) {
+    Runners runners({{.cost = 1e5}, {.cost = 1e5}});
+    for (const std::size_t k : {0U, 1U}) runners[k].gives_up = 1e8;
+    runners.has_proof = has_proof;
+    EXPECT_EQ(runners.run({.proof_at = 1e6}), has_proof ? Race::End::kClaimed : Race::End::kAllGaveUp);
+    EXPECT_EQ(runners.proofs, 1);
+    EXPECT_GE(runners.race.work(), 1e6);
+    EXPECT_LE(runners.race.work(), has_proof ? 1e7 : kNever);
+  }
 }
 
 TEST(RaceTest, LosesNothingThatAMethodHasDone) {
