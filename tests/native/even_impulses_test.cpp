@@ -49,14 +49,15 @@ Answer solve_evenly(const Problem& problem, const std::string& what) {
   return answer;
 }
 
-/// By contacts that all yield by a part of the mean M_ii of the normals.
+/// By contacts that all yield by a part of the mean M_ii of the normals. Their impulses are off by the error over the
+/// compliance.
 Answer solve_softly(const Problem& problem, double part) {
   ContactProblem soft = *problem.contact();
   const Matrix N = to_dense(soft.N);
   const double mean = (N.transpose() * inverse_inertia(soft.inertia) * N).diagonal().mean();
   soft.compliance_n = Vector::Constant(soft.nc(), part * mean);
   soft.compliance_t = soft.compliance_n;
-  return solve(Problem("soft", soft));
+  return solve(Problem("soft", soft), {{"error", "1e-12"}});
 }
 
 /// @param points of the contacts with the ground z = 0
