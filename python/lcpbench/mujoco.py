@@ -16,6 +16,7 @@ import ctypes
 import pathlib
 import sys
 import warnings
+import weakref
 from typing import Any, Iterable
 
 import numpy as np
@@ -70,7 +71,7 @@ def _step_inertia(model: Any, data: Any) -> np.ndarray:
                 on = np.asarray(model.actuator_trntype) <= int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
                 np.add.at(of_joints, model.actuator_trnid[on, 0],
                           model.actuator_gear[on, 0] ** 2 * model.actuator_damping[on])
-            M[np.diag_indices_from(M)] += h * (model.dof_damping + of_joints[model.dof_jntid])
+            M.flat[:: model.nv + 1] += h * (model.dof_damping + of_joints[model.dof_jntid])
     elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
         layout = model if hasattr(model, "D_rownnz") else data  # of data before 3.3
         counts = np.asarray(layout.D_rownnz)
@@ -84,11 +85,39 @@ def _step_inertia(model: Any, data: Any) -> np.ndarray:
     return M
 
 
+class _Fixed:
+    """What a model keeps from step to step, found once: `ends` of its kinematic trees' coordinates, the first coordinate
+    of each body that has some (`starts`), and the names of its geometries. A geometry without a name has that of its
+    body, with its index where the body has others; the last entry is that of a flex, which has the index -1."""
+
+    def __init__(self, model: Any) -> None:
+        self.starts = np.flatnonzero(np.diff(model.dof_bodyid, prepend=-1))
+        self.ends = [0, *(np.flatnonzero(np.diff(model.dof_treeid)) + 1).tolist(), model.nv]
+        self.names = [self._name(model, i) for i in range(model.ngeom)] + ["flex"]
+
+    @staticmethod
+    def _name(model: Any, index: int) -> str:
+        import mujoco
+
+        if name := mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, index):
+            return name
+        body = int(model.geom_bodyid[index])
+        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) if body else ""
+        return name if name and model.body_geomnum[body] == 1 else f"{name} (geom {index})" if name else f"geom {index}"
+
+
+_FIXED: weakref.WeakKeyDictionary[Any, _Fixed] = weakref.WeakKeyDictionary()
+
+
+def _fixed(model: Any) -> _Fixed:
+    if model not in _FIXED:
+        _FIXED[model] = _Fixed(model)
+    return _FIXED[model]
+
+
 def _blocks(model: Any, G: np.ndarray) -> list[np.ndarray]:
     """G by kinematic trees, where nothing couples two of them."""
-    if model.ntree < 2:
-        return [G]
-    ends = [0, *np.flatnonzero(np.diff(model.dof_treeid)) + 1, model.nv]
+    ends = _fixed(model).ends
     blocks = [G[a:b, a:b] for a, b in zip(ends, ends[1:])]
     return blocks if sum(np.count_nonzero(each) for each in blocks) == np.count_nonzero(G) else [G]
 
@@ -106,32 +135,21 @@ def _columns(rows: np.ndarray) -> Any:
 
 
 def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
-    """The two geometries of a contact's row, "foot on floor", or the joint or tendon at its limit, by name. A geometry
-    without a name has that of its body, with its index where the body has others."""
+    """The two geometries of a contact's row, "foot on floor", or the joint or tendon at its limit, by name."""
     import mujoco
 
-    constraint = mujoco.mjtConstraint
-    limits = {int(constraint.mjCNSTR_LIMIT_JOINT): "joint", int(constraint.mjCNSTR_LIMIT_TENDON): "tendon"}
-
-    def of(kind: str, index: int) -> str:
-        return mujoco.mj_id2name(model, getattr(mujoco.mjtObj, "mjOBJ_" + kind.upper()), index)
-
-    def geometry(index: int) -> str:
-        if index < 0:
-            return "flex"
-        if name := of("geom", index):
-            return name
-        body = int(model.geom_bodyid[index])
-        name = of("body", body) if body else ""
-        return name if name and model.body_geomnum[body] == 1 else f"{name} (geom {index})" if name else f"geom {index}"
-
-    geoms, types, ids = np.asarray(data.contact.geom).reshape(-1, 2).tolist(), data.efc_type.tolist(), data.efc_id.tolist()
+    constraint, objects = mujoco.mjtConstraint, mujoco.mjtObj
+    limits = {int(constraint.mjCNSTR_LIMIT_JOINT): ("joint", objects.mjOBJ_JOINT),
+              int(constraint.mjCNSTR_LIMIT_TENDON): ("tendon", objects.mjOBJ_TENDON)}
+    names, geoms = _fixed(model).names, np.asarray(data.contact.geom).reshape(-1, 2).tolist()
+    types, ids = data.efc_type.tolist(), data.efc_id.tolist()
 
     def name(row: int) -> str:
-        kind, index = limits.get(types[row]), ids[row]
-        if kind:
-            return f"limit of {of(kind, index) or f'{kind} {index}'}"
-        return f"{geometry(geoms[index][1])} on {geometry(geoms[index][0])}"
+        index = ids[row]
+        if types[row] in limits:
+            kind, objects_of_kind = limits[types[row]]
+            return f"limit of {mujoco.mj_id2name(model, objects_of_kind, index) or f'{kind} {index}'}"
+        return f"{names[geoms[index][1]]} on {names[geoms[index][0]]}"
 
     return numbered(map(name, rows))
 
@@ -306,9 +324,8 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         raise InputError("capture: the data hold no step yet; call mj_step or mj_forward before")
     h, J = model.opt.timestep, _dense_rows(model, data)
     if stepped is None:  # the bodies' velocities cvel are those before the step
-        found, dofs = data.cvel[model.body_parentid], model.dof_bodyid
-        starts = np.flatnonzero(np.diff(dofs, prepend=-1))
-        found[dofs[starts]] += np.add.reduceat(data.cdof * data.qvel[:, None], starts, axis=0) if len(starts) else 0
+        found, starts = data.cvel[model.body_parentid], _fixed(model).starts
+        found[model.dof_bodyid[starts]] += np.add.reduceat(data.cdof * data.qvel[:, None], starts, axis=0) if len(starts) else 0
         stepped = not bool((np.abs(found - data.cvel) <= 1e-12 + 1e-9 * np.abs(data.cvel)).all())
     after = data
     if not stepped:  # qDeriv, too, is of the step
