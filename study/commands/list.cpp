@@ -97,8 +97,8 @@ Json sets_json(const std::string& pattern) {
   for (const std::string& name : expand_sets(pattern)) {
     if (name.starts_with("file:")) {
       const auto count = static_cast<std::size_t>(open_set(name)->count().value_or(0));
-      const SetInfo files{name, counted_noun(count, "problem"), "problem files",
-                          "problem files, in the order of their names", {}};
+      const SetInfo files{
+          name, counted_noun(count, "problem"), "problem files", "problem files, in the order of their names", {}};
       array.push_back(set_json(files, name));
       continue;
     }
@@ -114,8 +114,9 @@ Json sets_json(const std::string& pattern) {
 std::string text_of(const Json& entry, const char* key) { return entry[key].get<std::string>(); }
 
 std::string origin(const Json& solver) {
+  if (solver["origin"] == "native") return "lcpbench";  // as the report's page says
   const std::string version = text_of(solver, "version");
-  return text_of(solver, "library") + (version.empty() || solver["origin"] == "native" ? "" : " " + version);
+  return text_of(solver, "library") + (version.empty() ? "" : " " + version);
 }
 
 std::string needs(const Json& solver) {
@@ -238,22 +239,20 @@ Action add_steppers_command(CLI::App& command) {
   const auto takes = [](const Json& stepper) {
     return std::string(stepper["bodies_only"] ? "free bodies" : "robots too");
   };
-  return add_list(
-      command, "NAME", "only the steppers that this name, or glob with * and ?, matches",
-      {"stepper",
-       steppers_json,
-       nullptr,
-       {{left("stepper"), field("name")}, {left("takes"), takes}, {kWhatItIs, field("summary")}}});
+  return add_list(command, "NAME", "only the steppers that this name, or glob with * and ?, matches",
+                  {"stepper",
+                   steppers_json,
+                   nullptr,
+                   {{left("stepper"), field("name")}, {left("takes"), takes}, {kWhatItIs, field("summary")}}});
 }
 
 Action add_sets_command(CLI::App& command) {
-  return add_list(
-      command, "PATTERN",
-      "only the sets that this name, or glob with * and ?, matches; {key=value} after it, or file:PATH",
-      {"set",
-       sets_json,
-       grouped_set,
-       {{left("set"), field("name")}, {left("size"), field("size")}, {kWhatItIs, field("summary")}}});
+  return add_list(command, "PATTERN",
+                  "only the sets that this name, or glob with * and ?, matches; {key=value} after it, or file:PATH",
+                  {"set",
+                   sets_json,
+                   grouped_set,
+                   {{left("set"), field("name")}, {left("size"), field("size")}, {kWhatItIs, field("summary")}}});
 }
 
 }  // namespace lcpbench

@@ -143,12 +143,13 @@ std::string length_text(double metres) {
   if (std::isnan(metres)) return "–";
   if (metres >= 1) return fmt::format("{:.3g} m", metres);
   if (metres >= 0.01) return fmt::format("{:.3g} cm", 100 * metres);
-  return metres < 1e-6 ? "0 mm" : fmt::format("{:.2g} mm", 1000 * metres);
+  if (metres < 1e-6) return metres > 0 ? "< 1 µm" : "0 mm";
+  return fmt::format("{:.2g} mm", 1000 * metres);
 }
 
 std::string replay_title(const ReplayedScene& scene) {
-  return fmt::format("{}, {} of {:g} s in {}", scene.scene,
-                     counted_noun(static_cast<std::size_t>(scene.steps), "step"), scene.step_length_s, scene.engine);
+  return fmt::format("{}, {} of {:g} s in {}", scene.scene, counted_noun(static_cast<std::size_t>(scene.steps), "step"),
+                     scene.step_length_s, scene.engine);
 }
 
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
@@ -161,11 +162,10 @@ std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
       text += fmt::format(
           "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), csv_text(scene.engine),
           csv_text(replay.solver), scene.steps, replay.refused() ? "" : std::to_string(replay.survived()),
-          csv_text(replay.end), replay.with_contacts(),
-          claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
-          cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
-          cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.parts_s),
-          replay.impulses(), cell(replay.cpu_s_per_s()));
+          csv_text(replay.end), replay.with_contacts(), claims ? std::to_string(replay.claimed()) : "",
+          cell(replay.largest(&ReplayStep::drift_m)), cell(replay.largest(&ReplayStep::slip_m)),
+          cell(replay.largest(&ReplayStep::deepest_m)), cell(scene.pushed ? kNone : replay.energy_rise()),
+          csv_text(replay.stepper), cell(replay.parts_s), replay.impulses(), cell(replay.cpu_s_per_s()));
     }
   }
   return text;
