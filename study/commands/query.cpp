@@ -1,5 +1,6 @@
-#include <algorithm>
+#include <filesystem>
 #include <set>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
@@ -17,29 +18,6 @@ struct QueryArguments {
   std::string format = "text";
 };
 
-/// For people: fractional numbers to six digits; null as "-".
-std::string text_of(const Json& value) {
-  if (value.is_string()) return printable(value.get<std::string>());  // say() would keep its line ends
-  if (value.is_null()) return "-";
-  return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
-}
-
-std::string table_of(const report::QueryResult& result) {
-  std::vector<TextTable::Column> columns;
-  for (std::size_t i = 0; i < result.columns.size(); ++i) {
-    const bool has_numbers = std::any_of(result.rows.begin(), result.rows.end(),
-                                         [&](const Json& row) { return row[i].is_number(); });
-    columns.push_back({printable(result.columns[i]), has_numbers ? TextTable::Align::kRight : TextTable::Align::kLeft});
-  }
-  TextTable table(columns);
-  for (const Json& row : result.rows) {
-    std::vector<std::string> cells;
-    for (const Json& value : row) cells.push_back(text_of(value));
-    table.add_row(std::move(cells));
-  }
-  return table.empty() ? "no rows\n" : table.text(text_width());
-}
-
 /// @throws InputError where two columns have the same name: a JSON object would lose one of them
 void require_different_names(const std::vector<std::string>& columns, const std::string& file) {
   std::set<std::string> names;
@@ -49,8 +27,15 @@ void require_different_names(const std::vector<std::string>& columns, const std:
   }
 }
 
+/// The query in a file; where no such file exists, that of the report's table of this name.
+std::string query_of(const std::string& name) {
+  std::error_code error;
+  const report::TableQuery* const table = std::filesystem::exists(name, error) ? nullptr : report::find_table(name);
+  return table != nullptr ? std::string(table->sql) : read_text(name, "query");
+}
+
 int run_query_command(const QueryArguments& arguments) {
-  const std::string sql = read_text(arguments.file, "query");
+  const std::string sql = query_of(arguments.file);
   Store store = open_checked(arguments.store);
   const sqlite::ReadSnapshot snapshot(store.database());
   const report::Report report = report::read_report(store);
@@ -61,7 +46,8 @@ int run_query_command(const QueryArguments& arguments) {
     require_different_names(result.columns, arguments.file);
     print_json(report::records_of(result));
   } else {
-    say(stdout, "{}", arguments.format == "csv" ? csv_table(result.columns, result.rows) : table_of(result));
+    say(stdout, "{}",
+        arguments.format == "csv" ? csv_table(result.columns, result.rows) : report::query_text(result, text_width()));
   }
   return kExitDone;
 }
@@ -71,7 +57,10 @@ int run_query_command(const QueryArguments& arguments) {
 Action add_query_command(CLI::App& command) {
   const auto arguments = std::make_shared<QueryArguments>();
   command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
-  command.add_option("FILE", arguments->file, "file with one SELECT, like the .sql files in study/report/tables")
+  command
+      .add_option(
+          "FILE", arguments->file,
+          "file with one SELECT, like the .sql files in study/report/tables, or the name of one of these tables")
       ->required();
   command.add_flag_callback("--wide", lift_text_width, "break no text, however wide the lines become");
   command.add_option("--format", arguments->format, "text, csv or json")

@@ -193,7 +193,8 @@ void add_end(Store& store, const RunOptions& options, double start_s, double byt
 }
 
 /// The end of a run's output: how much is done, the answer, the worst problems, and the commands that show more, in
-/// kAnswerLines at most. Before it, the results of every set and solver: with `all_tables`, or where all fits in.
+/// kAnswerLines at most. Before it, the results of every set and solver, with `all_tables` or where all fits in, and
+/// the tables of the paper.
 /// @param head  how much is done: whole lines
 /// @param file  of the store
 std::string end_text(Store& store, const report::Report& report, const std::string& head, const std::string& file,
@@ -216,7 +217,7 @@ std::string end_text(Store& store, const report::Report& report, const std::stri
   const std::string answer = answer_text(store, report, width, free_lines - kept);
   const std::string failures = worst(std::max(kept, free_lines - std::min(free_lines, lines(answer))));
   const bool fits = lines(whole) + lines(first) + lines(answer) + lines(failures) + lines(next) <= kAnswerLines;
-  return (all_tables || fits ? whole : "") + first + answer + failures + next;
+  return (all_tables || fits ? whole : "") + paper_text(store, width) + first + answer + failures + next;
 }
 
 /// @param named  the solvers that the user named
@@ -227,8 +228,7 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
                                        format_count(outcome.already_done + outcome.progress.done),
                                        format_count(outcome.already_done + outcome.progress.total));
   if (outcome.end == RunEnd::kStopped) {
-    say(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done,
-        printable(file));
+    say(stderr, "lcpbench: interrupted; {} are in {}: run the same command again to resume\n", done, printable(file));
     return kExitInterrupted;
   }
   line.show("reading the results");

@@ -101,3 +101,53 @@ FROM published p LEFT JOIN paper_measurements m
   ON m.kind = p.kind AND m.experiment = p.experiment AND m.paper_solver = p.solver AND m.quantity = p.quantity
      AND m.other_readings = ''
 WHERE p."table" IN ('IV.3', 'IV.4', 'IV.5', 'IV.6') AND EXISTS (SELECT 1 FROM paper_rates);
+-- The tables as the paper prints them, from the views above: by the criterion of claimed answers; in Experiment 6 of
+-- `regularized` with the paper's own test, else of the sweep of the most trials. First the shares: a row for each
+-- experiment and reading, with worst/average/best in percent.
+CREATE TEMP VIEW paper_printed_shares AS
+WITH ranked AS (
+  SELECT *, coalesce(redundancy, MAX(redundancy) OVER (PARTITION BY "table", experiment), '') AS reading,
+         ROW_NUMBER() OVER (PARTITION BY "table", experiment, paper_solver, redundancy ORDER BY
+           solved_by IS 'criterion' DESC, spec_option(solver, 'test') IS 'tried' DESC, trials DESC) AS choice
+  FROM paper_shares WHERE paper_solver IS NOT NULL),
+figures AS (
+  SELECT "table", experiment, NULL AS reading, paper_solver || ' published' AS cell, published_worst AS worst,
+         published_average AS average, published_best AS best FROM ranked WHERE choice = 1
+  UNION ALL
+  SELECT "table", experiment, reading, paper_solver || ' ours', worst, average, best FROM ranked
+  WHERE choice = 1 AND best IS NOT NULL),
+texts AS (
+  SELECT *, iif(worst IS NULL, '-', printf('%.4g', 100 * worst)) || '/' ||
+            iif(average IS NULL, '-', printf('%.4g', 100 * average)) || '/' || printf('%.4g', 100 * best) AS text
+  FROM figures)
+SELECT r."table", replace(r.experiment, ' at ', ' ') || iif(r.reading = 'combination', ' c', '') AS exp,
+       MAX(iif(cell = 'Lemke published', text, NULL)) AS Lemke_published,
+       MAX(iif(cell = 'Lemke ours', text, NULL)) AS Lemke_ours,
+       MAX(iif(cell = 'PATH published', text, NULL)) AS PATH_published,
+       MAX(iif(cell = 'PATH ours', text, NULL)) AS PATH_ours,
+       MAX(iif(cell = 'IP published', text, NULL)) AS IP_published, MAX(iif(cell = 'IP ours', text, NULL)) AS IP_ours
+FROM ranked r JOIN texts t ON t."table" = r."table" AND t.experiment = r.experiment
+                              AND coalesce(t.reading, r.reading) = r.reading
+GROUP BY r."table", r.experiment, r.reading ORDER BY substr(r.experiment, 1, 1), length(r.experiment),
+         r.experiment, r.reading = 'combination';
+-- Then times and violations, redundant contacts as multiples: mean (standard deviation) maximum.
+CREATE TEMP VIEW paper_printed_means AS
+WITH ranked AS (
+  SELECT *, ROW_NUMBER() OVER (PARTITION BY "table", experiment, quantity, paper_solver ORDER BY
+              redundancy IS 'multiple' DESC, solved_by IS 'criterion' DESC, spec_option(solver, 'test') IS 'tried' DESC,
+              n DESC) AS choice
+  FROM paper_means),
+figures AS (
+  SELECT *, 'best' AS parameters, published_best_mean AS mean, published_best_sigma AS sigma, published_best_max AS max,
+         best_mean AS our_mean, best_sigma AS our_sigma, best_max AS our_max FROM ranked WHERE choice = 1
+  UNION ALL
+  SELECT *, 'all', published_all_mean, published_all_sigma, published_all_max, all_mean, all_sigma, all_max
+  FROM ranked WHERE choice = 1)
+SELECT "table", paper_solver AS solver, replace(experiment, ' at ', ' ') AS exp,
+       iif(quantity = 'time_all', 'all', 'solved') AS problems, parameters,
+       iif(mean IS NULL, NULL, replace(printf('%.6g (%.6g) %.6g', mean, sigma, max), 'e-0', 'e-')) AS published,
+       iif(redundancy = 'multiple' AND our_mean IS NOT NULL,
+           replace(printf('%.3g (%.3g) %.3g', our_mean, our_sigma, our_max), 'e-0', 'e-'), NULL) AS ours
+FROM figures WHERE mean IS NOT NULL OR our_mean IS NOT NULL
+ORDER BY paper_solver = 'IP', paper_solver, quantity = 'time_all', length(experiment), experiment,
+         parameters DESC;

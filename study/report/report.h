@@ -51,6 +51,9 @@ void fill_slow_tables(Store& store, const Summary& summary, const std::vector<Re
 /// The parts of report.json that are no tables, see docs/schema/report.schema.json. @pre the tables are filled
 Json report_json(Store& store, const Report& report);
 
+/// The rows of a query as a table for people; "no rows" where there are none.
+std::string query_text(const QueryResult& result, int width);
+
 }  // namespace report
 
 /// Writes `report.html` (one file), `report.json`, `summary.json` and `tables/*.csv` into a folder, which is made where
@@ -72,6 +75,11 @@ std::string answer_text(Store& store, const report::Report& report, int width, s
 /// time ratio to the reference, and the 99th percentile of the error; sweeps as worst, average and best; then the hard
 /// cases. Serves half-filled stores. @pre the tables are filled
 std::string results_text(Store& store, const Summary& summary, int width);
+
+/// Tables IV.1 to IV.6 of the paper, in its layout: published figures and those of the store, see
+/// study/paper/rates.sql. Those that the store has no sweep for are left out; "" where it has none for any. @pre the
+/// tables are filled
+std::string paper_text(Store& store, int width);
 
 /// For each solver that fails its worst problem, the gravest first: at most so many commands, with a line above them
 /// and one that says how many were left out. "" where nobody fails, or without rows. @pre the tables are filled

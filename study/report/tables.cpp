@@ -1,5 +1,6 @@
 #include "study/report/tables.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -54,6 +55,11 @@ const char* unit_of(const std::string& column) {
 }
 
 }  // namespace
+
+const TableQuery* find_table(std::string_view name) {
+  const auto found = std::ranges::find(kTableQueries, name, &TableQuery::name);
+  return found == kTableQueries.end() ? nullptr : &*found;
+}
 
 void fill_table(sqlite::Database& database, const std::string& name, const Json& records, const Json& example) {
   std::vector<Json> flat;

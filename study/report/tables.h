@@ -21,6 +21,8 @@ struct TableQuery {
 
 /// All of them, in the order of their names.
 extern const std::vector<TableQuery> kTableQueries;
+/// The one of this name, else null.
+const TableQuery* find_table(std::string_view name);
 
 /// study/report/views.sql: views over the temporary tables, for queries and for the terminal.
 extern const std::string_view kViews;

@@ -111,8 +111,7 @@ std::string hard_words(Store& store, int width) {
 }
 
 std::string caught_text(Store& store, const Summary& summary, int width) {
-  const auto query = std::ranges::find(report::kTableQueries, std::string_view("caught"), &report::TableQuery::name);
-  const Json caught = ask(store, std::string(query->sql));
+  const Json caught = ask(store, std::string(report::find_table("caught")->sql));
   std::string text = "said solved, and was wrong:";
   const std::int64_t swept =
       store.database().integer("SELECT COUNT(*) FROM cells WHERE sweep <> '' AND false_claims > 0");
@@ -128,7 +127,29 @@ std::string caught_text(Store& store, const Summary& summary, int width) {
   return folded(text + "\n", width);
 }
 
+/// For people: fractional numbers to six digits; null as "-".
+std::string text_of(const Json& value) {
+  if (value.is_string()) return printable(value.get<std::string>());  // say() would keep its line ends
+  if (value.is_null()) return "-";
+  return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
+}
+
 }  // namespace
+
+std::string report::query_text(const QueryResult& result, int width) {
+  std::vector<TextTable::Column> columns;
+  for (std::size_t i = 0; i < result.columns.size(); ++i) {
+    const bool has_numbers = std::ranges::any_of(result.rows, [i](const Json& row) { return row[i].is_number(); });
+    columns.push_back({printable(result.columns[i]), has_numbers ? Align::kRight : Align::kLeft});
+  }
+  TextTable table(columns);
+  for (const Json& row : result.rows) {
+    std::vector<std::string> cells;
+    for (const Json& value : row) cells.push_back(text_of(value));
+    table.add_row(std::move(cells));
+  }
+  return table.empty() ? "no rows\n" : table.text(width);
+}
 
 std::string answer_text(Store& store, const report::Report& report, int width, std::size_t lines) {
   if (report.summary.cells.empty()) return "no answers yet\n";
@@ -172,6 +193,31 @@ std::string results_text(Store& store, const Summary& summary, int width) {
                          summary.reference, report::least_problems());
   }
   return table.text(width) + hard + folded(words, width);
+}
+
+std::string paper_text(Store& store, int width) {
+  std::string text;
+  std::string about;
+  for (const report::TableQuery& query : report::kTableQueries) {
+    if (!std::string_view(query.name).starts_with("paper-table-")) continue;
+    report::QueryResult result = report::run_query(store.database(), query.name, query.sql);
+    const Json words = report::table_json(query, result);
+    bool has_ours = false;
+    for (std::size_t i = result.columns.size(); i-- > 0;) {
+      const auto absent = [i](const Json& row) { return row[i].is_null(); };
+      if (!std::ranges::all_of(result.rows, absent)) {
+        has_ours = has_ours || result.columns[i].ends_with("ours");
+        std::ranges::replace(result.columns[i], '_', ' ');
+        continue;
+      }
+      result.columns.erase(result.columns.begin() + static_cast<std::ptrdiff_t>(i));
+      for (Json& row : result.rows) row.erase(i);
+    }
+    if (!has_ours) continue;
+    if (words["about"] != about) text += folded(about = words["about"], width) + "\n\n";
+    text += folded(words["title"], width) + "\n" + report::query_text(result, width) + "\n";
+  }
+  return text;
 }
 
 std::string worst_text(Store& store, std::size_t rows, int width) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -90,6 +92,7 @@ TEST(PaperTablesTest, BestIsChosenOnEvenTrialsAndReportedOnOddOnes) {
   const Json row = row_with(rows_of(made.summary, "paper-IV.1"), {{"solver", "lemke"}, {"solved_by", "criterion"}});
   EXPECT_EQ(row["held_out"], 0.7);
   EXPECT_EQ(row["best_settings"], "tolerance=0") << "the first of equals over all trials";
+  EXPECT_DOUBLE_EQ(row["best_low"], wilson(1800, 2000).low);
 }
 
 TEST(PaperTablesTest, SpreadsPoolAllParameterisations) {
@@ -140,27 +143,6 @@ TEST(PublishedTest, RatesAreOrderedAndComplete) {
   EXPECT_EQ(measurements, 18 + 12 + 9 + 6);
 }
 
-TEST(PaperTablesTest, WorstAverageBestStandBesideThePublishedOnes) {
-  MadeSummary made;
-  made.grid("paper/monotone/exp2", "lemke", {.criterion = 1600, .solved = 1500}, {.criterion = 2000, .solved = 1900});
-  made.grid("paper/monotone/exp2{redundancy=combination}", "lemke", {.criterion = 1000, .solved = 900},
-            {.criterion = 1400, .solved = 1000});
-  const Json rows = rows_of(made.summary, "paper-IV.1");
-  const Json criterion = row_with(rows, {{"experiment", "2"}, {"redundancy", "multiple"}, {"solved_by", "criterion"}});
-  EXPECT_EQ(criterion["published_worst"], 0.7973);
-  EXPECT_EQ(criterion["published_best"], 1);
-  EXPECT_DOUBLE_EQ(criterion["worst"], 0.8);
-  EXPECT_DOUBLE_EQ(criterion["average"], 0.9);
-  EXPECT_DOUBLE_EQ(criterion["best_low"], wilson(2000, 2000).low);
-  EXPECT_EQ(criterion["best_settings"], "tolerance=2");
-  const Json verdict = row_with(rows, {{"experiment", "2"}, {"redundancy", "multiple"}, {"solved_by", "verdict"}});
-  EXPECT_DOUBLE_EQ(verdict["worst"], 0.75);
-  EXPECT_DOUBLE_EQ(verdict["best"], 0.95);
-  const Json other = row_with(rows, {{"experiment", "2"}, {"redundancy", "combination"}, {"solved_by", "criterion"}});
-  EXPECT_DOUBLE_EQ(other["average"], 0.6);
-  EXPECT_TRUE(row_with(rows, {{"experiment", "1"}, {"paper_solver", "Lemke"}})["solver"].is_null()) << "not run";
-}
-
 TEST(PaperTablesTest, AnswersThatAreNotClaimedCountApart) {
   MadeSummary made;
   const MadeCell silent{.criterion = 1000, .unclaimed = 600, .solved = 1500};
@@ -184,21 +166,51 @@ TEST(PaperTablesTest, UnsolvableProblemsLowerTheCriterionOnly) {
   EXPECT_DOUBLE_EQ(row_with(rows, {{"experiment", "3"}, {"solved_by", "verdict"}})["average"], 1);
 }
 
-TEST(PaperTablesTest, TimesAndViolationsStandBesideThePublishedOnes) {
+/// Every published figure of Tables IV.1 to IV.6, and ours at its side: what the terminal and the page show.
+TEST(PrintedTablesTest, EachExperimentIsARowWithThePublishedFigureAndOurs) {
   MadeSummary made;
-  made.flat("paper/copositive/exp6-1e5", "regularized", 1, "paper{test=tried}", 2e-3);
-  const Json times = rows_of(made.summary, "paper-IV.4");
-  const Json row = row_with(
-      times,
-      {{"experiment", "6 at 1e5"}, {"quantity", "time_solved"}, {"paper_solver", "Lemke"}, {"solved_by", "criterion"}});
-  EXPECT_EQ(row["published_all_max"], 1781.61);
-  EXPECT_EQ(row["published_all_sigma"], 15.212);
-  EXPECT_NEAR(row["all_mean"], 2e-3, 1e-12);
-  EXPECT_EQ(row["solver"], "regularized{test=tried}");
-  const Json violation =
-      row_with(rows_of(made.summary, "paper-IV.6"), {{"experiment", "6 at 1e5"}, {"solved_by", "verdict"}});
-  EXPECT_NEAR(violation["all_max"], 1e-8, 1e-20);
-  EXPECT_EQ(violation["published_best_mean"], 4.69e-6);
+  made.grid("paper/monotone/exp2", "lemke", {.criterion = 1600}, {.criterion = 2000}, "paper{cap=3n}");
+  made.grid("paper/monotone/exp2", "lemke", {.trials = 100, .criterion = 0, .solved = 0},
+            {.trials = 100, .criterion = 0, .solved = 0});
+  made.grid("paper/monotone/exp2{redundancy=combination}", "lemke", {.criterion = 1000}, {.criterion = 1400});
+  made.flat("paper/monotone/exp6-1e5", "regularized", 1, "paper{test=tried}", 2e-3);
+  made.flat("paper/monotone/exp6-1e5", "regularized", 0.5, "paper", 1);
+  std::map<std::string, Json> tables;
+  for (const char* number : {"IV.1", "IV.2", "IV.3", "IV.4", "IV.5", "IV.6"}) {
+    tables[number] = rows_of(made.summary, std::string("paper-table-") + number);
+  }
+  const auto e = [](std::string text) { return std::regex_replace(text, std::regex("e-0"), "e-"); };
+  std::size_t figures = 0;
+  for (const Json& published : ask(Summary{}, "SELECT *, replace(title, ' at ', ' ') AS exp FROM published")) {
+    const Json& rows = tables.at(published["table"]);
+    const auto number = [&published](const char* name) { return published[name].get<double>(); };
+    const auto share = [&](const char* name) {
+      return published[name].is_null() ? "-" : fmt::format("{:.4g}", 100 * number(name));
+    };
+    if (published["quantity"] == "rate") {
+      const Json row = row_with(rows, {{"exp", published["exp"]}});
+      EXPECT_EQ(row[published["solver"].get<std::string>() + "_published"],
+                share("worst") + "/" + share("average") + "/" + share("best"));
+      ++figures;
+    }
+    for (const std::string of : {"best", "all"}) {
+      if (published[of + "_mean"].is_null()) continue;
+      const char* const problems = published["quantity"] == "time_all" ? "all" : "solved";
+      Json members{{"solver", published["solver"]}, {"exp", published["exp"]}, {"parameters", of}};
+      if (published["quantity"] != "violation") members["problems"] = problems;
+      EXPECT_EQ(row_with(rows, members)["published"],
+                e(fmt::format("{:g} ({:g}) {:g}", number((of + "_mean").c_str()), number((of + "_sigma").c_str()),
+                              number((of + "_max").c_str()))));
+      ++figures;
+    }
+  }
+  EXPECT_EQ(figures, 51U + 2 * 45 - 3);
+  EXPECT_EQ(tables["IV.1"].size(), 10U + 1) << "one more for the other reading of Experiment 2";
+  EXPECT_EQ(row_with(tables["IV.1"], {{"exp", "2"}})["Lemke_ours"], "80/90/100") << "of the sweep with most trials";
+  EXPECT_EQ(row_with(tables["IV.1"], {{"exp", "2 c"}})["Lemke_ours"], "50/60/70");
+  EXPECT_EQ(row_with(tables["IV.1"], {{"exp", "6 1e5"}})["Lemke_ours"], "100/100/100") << "by the paper's own test";
+  EXPECT_TRUE(row_with(tables["IV.1"], {{"exp", "1"}})["Lemke_ours"].is_null());
+  EXPECT_EQ(row_with(tables["IV.3"], {{"exp", "6 1e5"}, {"parameters", "all"}})["ours"], "0.002 (0.001) 0.02");
 }
 
 TEST(PaperTablesTest, RefusalsStandInsteadOfShares) {
@@ -320,6 +332,22 @@ TEST_F(PaperStoreTest, TheRatesAreThoseOfTheStoresRows) {
   }
 }
 
+/// The end of `run paper`: the tables that the store has figures for, on a terminal of 100 characters.
+TEST_F(PaperStoreTest, TheTerminalHasThePapersTables) {
+  Store store = Store::open_for_reading(file());
+  report::fill_tables(store, report::read_report(store));
+  const std::string text = paper_text(store, 100);
+  EXPECT_NE(text.find("\nTable IV.1: "), std::string::npos) << text;
+  EXPECT_NE(text.find("\nTable IV.3: "), std::string::npos) << text;
+  EXPECT_NE(text.find("\nTable IV.5: "), std::string::npos) << text;
+  EXPECT_EQ(text.find("\nTable IV.2: "), std::string::npos) << "nothing with friction was run";
+  EXPECT_TRUE(std::regex_search(text, std::regex("\n1 +92\\.71/97\\.59/100 +[0-9.]+/[0-9.]+/[0-9.]+ +97\\.48/")))
+      << text;
+  EXPECT_TRUE(std::regex_search(text, std::regex("\nexp +Lemke published +Lemke ours +PATH published"))) << text;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(character_count(line), 100U) << line;
+}
+
 TEST_F(PaperStoreTest, TheReportHasTablesAndClaimsAndRegeneratingGivesTheSameBytes) {
   Store store = Store::open_for_reading(file());
   write_report(store, path("first"));
@@ -328,7 +356,7 @@ TEST_F(PaperStoreTest, TheReportHasTablesAndClaimsAndRegeneratingGivesTheSameByt
   EXPECT_EQ(first, read_file(path("second") / "report.json"));
   const Json document = Json::parse(first);
   EXPECT_EQ(document["paper"]["claims"].size(), 16U);
-  EXPECT_EQ(document["paper"]["tables"].size(), 9U) << document["paper"]["tables"];
+  EXPECT_EQ(document["paper"]["tables"].size(), 15U) << document["paper"]["tables"];
   EXPECT_NE(read_file(path("first") / "tables/paper-IV.1.csv").find("regularized{test=tried}"), std::string::npos);
 }
 
