@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <numbers>
+#include <string_view>
+
+#include <unistd.h>
 
 #include "adapters/worker/worker_client.h"
 #include "core/io/scenes_file.h"
@@ -491,6 +495,18 @@ Attempt answer_to_show(const Problem& problem, const std::vector<Attempt>& attem
   return shown.verdict == Verdict::kSolved ? shown : best;
 }
 
+/// On a terminal the verdict *wrong* is red, unless NO_COLOR is set.
+void print_table(const std::string& table) {
+  constexpr std::string_view kCell = "  wrong ";
+  constexpr std::string_view kRed = "  \033[31mwrong\033[0m ";
+  std::string text = printable(table, "\n");
+  const bool coloured = isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  for (std::size_t at = 0; coloured && (at = text.find(kCell, at)) != std::string::npos; at += kRed.size()) {
+    text.replace(at, kCell.size(), kRed);
+  }
+  fmt::print("{}", text);
+}
+
 /// @param shown  the answer itself that is printed; nullptr: none is
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, Json rows,
                     const ModelErrors& model_errors, bool named, const Attempt* shown) {
@@ -504,7 +520,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
     for (std::size_t i = 0; i < attempts.size(); ++i) rows[attempts[i].place - 1] = by_rank[i];
   }
   const std::string table = attempts_table(problem, attempts, rows);
-  say(stdout, "{}", table);
+  print_table(table);
   if (table.find("model's m/s") != std::string::npos) say_folded("{}", kTwoErrors);
   print_reasons(attempts, named);
   print_nearly(attempts);

@@ -157,6 +157,16 @@ TEST_F(ScreenTest, TheWorstStepFromTheLastAnswerHasACommandThatRepeatsIt) {
   EXPECT_EQ(again[0]["error"], worst["error"]);
 }
 
+TEST_F(ScreenTest, AWrongAnswerIsRedOnATerminalAlone) {
+  write("mine", robot(), 1);
+  const std::string solve = "solve 'x.scenes#0' --solver engine";
+  const std::string command = "cd '" + (folder_ / "").string() + "' && env -u NO_COLOR script -qec \"'" LCPBENCH_PROGRAM
+                              "' " + solve + "\" /dev/null </dev/null >screen";
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  EXPECT_NE(read_file(folder_ / "screen").find("  \033[31mwrong\033[0m "), std::string::npos);
+  EXPECT_EQ(run(solve).find('\033'), std::string::npos);
+}
+
 TEST_F(ScreenTest, SolveEndsWithOneTotalThatNamesTheWorstSteps) {
   write("my engine", robot(), 4);
   const std::string out = run("solve x.scenes --solver auto --solver engine --solver " + std::string(kSwept));
