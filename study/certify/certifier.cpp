@@ -144,7 +144,7 @@ class TruthSearch {
     if (solved_by("contact_lemke") || contradicted()) return true;
     if (solved_by(kLemke) || solved_by("contact_lemke{covering=classic}")) return true;
     if (system_.size <= kLargestQuad && solved_by(kInQuad)) return true;
-    return solvable_by_velocity() || settled_by_exact_lemke(kLargestContactLemke);
+    return solvable_by_velocity() || settled_by_exact_lemke(kLargestContactLemke) || normals_contradicted_by_lemke();
   }
 
   bool solved_by(const char* spec) {
@@ -239,6 +239,20 @@ class TruthSearch {
     IntegerMatrix u(system_.size);
     for (Index j = 0; j < found.rows(); ++j) fmpz_set(u(columns[index(j)]), found(j));
     return take_contradiction(u, "support of the contradiction of active_set");
+  }
+
+  /// What active_set takes for solvable, as the normals contradict each other by less than it can see.
+  bool normals_contradicted_by_lemke() {
+    if (!contact_->has_offset() || contact_->nc() > kLargestContactLemke || deadline_.passed()) return false;
+    ContactProblem normals = without_friction(*contact_, to_dense(contact_->N), contact_->b);
+    normals.compliance_n = contact_->compliance_n;
+    const Problem problem("normals", std::move(normals));
+    const ExactProblem truth(problem, deadline_);
+    const LemkeOutcome lemke = exact_lemke(truth.system, {}, range(0, contact_->nc()), deadline_);
+    if (lemke.ending != LemkeEnding::kRay) return false;
+    IntegerMatrix u(system_.size);
+    for (Index i = 0; i < contact_->nc(); ++i) fmpz_set(u(i), lemke.x(i));
+    return take_contradiction(u, "ray of exact lexicographic Lemke on the normals");
   }
 
   /// Lemke's method on the monotone LCP of [0 -M'; M 0] and (0, q) ends on a ray if no z >= 0 has q + M z >= 0.

@@ -305,6 +305,22 @@ TEST(CertifyTest, InertiaThatDoublesCannotJudgeIsJudgedExactly) {
   EXPECT_NE(detail(G).find("not symmetric positive definite"), std::string::npos);
 }
 
+// Two opposed contacts leave each other a gap that is an ulp too small, beside one with friction.
+TEST(CertifyTest, NormalsThatContradictEachOtherByAnUlpAreContradicted) {
+  Matrix N = Matrix::Zero(3, 3);
+  N.row(0) << 1, -1, 0;
+  N(1, 2) = 1;
+  ContactProblem contact = frictionless(vec({0, -1, 1}), N, DenseInertia{Matrix::Identity(3, 3)});
+  contact.b = vec({-1, 1 - 0x1p-52, 0});
+  Matrix D = Matrix::Zero(3, 2);
+  D.row(2) << 1, -1;
+  contact.D = D;
+  contact.edges = {0, 0, 2};
+  contact.mu = vec({0, 0, 0.5});
+  const Certificate certificate = certify(Problem("an ulp", std::move(contact)));
+  EXPECT_EQ(certificate.proof, ProofKind::kFarkas) << certificate.detail;
+}
+
 double quotient(slong a, slong shift, slong b) {
   exact::Integer left(a);
   exact::Integer right(b);
