@@ -22,7 +22,7 @@ struct ReplayStep {
 };
 
 /// How the reason begins why a replay ended, where the stepper, or its solver, does not take the scene.
-inline constexpr const char* kRefused = "refused: ";
+inline constexpr const char* kRefusal = "refused: ";
 
 /// A scene stepped on in one way.
 struct Replay {
@@ -41,7 +41,7 @@ struct Replay {
   /// Steps until something drifted, slipped or sank by more than kLost, or the replay ended.
   std::int64_t survived() const;
   /// Whether the stepper, or its solver, does not take such scenes.
-  bool refused() const { return end.starts_with(kRefused); }
+  bool refused() const { return end.starts_with(kRefusal); }
   /// Steps with contacts that the solver claims to have solved, and all steps with contacts.
   std::int64_t claimed() const;
   std::int64_t with_contacts() const;
