@@ -27,7 +27,8 @@ Errors ContactEvaluation::errors(const Answer& answer, FrictionModel model) {
   } else if (model == FrictionModel::kConvex && contact_.lcp) {
     errors.optimum_distance = optimum_distance(answer.z);
   }
-  errors.unresolved = inertia.unresolved() || !has_model;
+  errors.unresolved = errors.unresolved || inertia.unresolved() || !has_model;
+  errors.solved = errors.solved && !errors.unresolved;
   return errors;
 }
 
@@ -72,6 +73,7 @@ void ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   errors.criterion =
       errors.work_gain_j - to_double(work) < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
   ReturnedVelocity(contact_, z, u).measure(answer.velocity, errors);
+  errors.unresolved = !contact_.tells(point, worst);
 }
 
 WorstRow ContactEvaluation::describe(const ContactResidual::Worst& worst, FrictionModel model,

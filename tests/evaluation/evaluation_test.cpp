@@ -474,6 +474,22 @@ Matrix nearly_singular() {
   return G;
 }
 
+/// 113 bits hold neither 5 beside 1e36 nor, in another order, what is left of it.
+TEST(EvaluationTest, ImpulsesThatCancelBeyond113BitsAreNotMeasuredInAnyOrder) {
+  for (const bool first : {true, false}) {
+    Matrix N(1, 4);
+    if (first) N << 1, 1, -1, 1;
+    else N << 1, -1, 1, 1;
+    ContactProblem problem = frictionless(vec({0}), N, DenseInertia{Matrix::Identity(1, 1)});
+    problem.b = vec({0, 0, 0, 1});
+    const auto pressed = [&](double large) { return first ? vec({5, large, large, 0}) : vec({large, large, 5, 0}); };
+    const Errors lost = evaluate(Problem("lost", problem), pressed(1e36));
+    EXPECT_EQ(verdict(Claim::kSolved, lost, Truth::kUnknown), Verdict::kOpen);
+    const Errors held = evaluate(Problem("held", problem), pressed(1e20));
+    EXPECT_NEAR(held.velocity_residual_relative, 5, 1e-6);
+  }
+}
+
 /// Only what asks for more than v and J f is not measured, and then nothing is: no G* is known.
 TEST(EvaluationTest, InertiaThatProvesUnresolvedLateLeavesTheAnswerOpen) {
   constexpr Index kSize = 41;
