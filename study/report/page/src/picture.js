@@ -44,18 +44,22 @@ function overErrors({ report }, choice) {
 }
 
 /** Dolan, Moré: Benchmarking optimization software with performance profiles, Math. Program. 91, 2002. Of each solver the
- *  share of the problems that it took and solved in at most x times the time of the fastest of these solvers. */
+ *  share solved in at most x times the time of the fastest of these solvers. Of a set it counts the problems that all took
+ *  which took any of the set. */
 function profiles({ state }, choice) {
   const solves = (entry) => (state.error ? (entry & 15) >= state.error : (entry & 16) > 0);  // see choice.h
   const least = new Map();  // by set, then problem
+  const taken = new Map();
   for (const { set, profile } of choice.records.flatMap(({ cells }) => cells)) {
-    const best = least.get(set) ?? [];
+    if (!profile.some((entry) => entry !== 0)) continue;
+    const best = least.get(set) ?? [], before = taken.get(set);
     profile.forEach((entry, i) => solves(entry) && (best[i] = Math.min(best[i] ?? Infinity, entry >> 5)));
     least.set(set, best);
+    taken.set(set, profile.map((entry, i) => entry !== 0 && (before === undefined || before[i] === true)));
   }
   return choice.records.map((record) => {
     const ratios = record.cells.flatMap(({ set, profile }) => profile.map((entry, i) =>
-      (entry === 0 ? -1 : solves(entry) ? (entry >> 5) - least.get(set)[i] : Infinity)).filter((ratio) => ratio >= 0));
+      (!taken.get(set)?.[i] ? -1 : solves(entry) ? (entry >> 5) - least.get(set)[i] : Infinity)).filter((ratio) => ratio >= 0));
     const within = (most) => ratios.filter((ratio) => ratio <= most).length / ratios.length;
     const places = [...new Set(ratios)].filter((ratio) => ratio <= 600).concat(0, 600).sort((a, b) => a - b);
     return { ...itemOf(choice, record), step: true, points: ratios.length === 0 ? []
