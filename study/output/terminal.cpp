@@ -73,7 +73,7 @@ ProgressLine::ProgressLine()
 void ProgressLine::show(const std::string& text) {
   if (is_on_terminal_) {
     const auto room = static_cast<std::size_t>(terminal_width(stderr)) - 1;  // a full line would wrap the cursor
-    fmt::print(stderr, "\r\033[K{}", first_characters(printable(text), room));
+    std::fputs(("\r\033[K" + first_characters(printable(text), room)).c_str(), stderr);
   } else {
     if (begun_ || std::chrono::steady_clock::now() < silent_until_) return;
     say(stderr, "{}\n", printable(text));
@@ -89,7 +89,7 @@ void ProgressLine::begin(const std::string& text) {
 
 void ProgressLine::clear() const {
   if (!is_on_terminal_ || !begun_) return;
-  fmt::print(stderr, "\r\033[K");
+  std::fputs("\r\033[K", stderr);
   std::fflush(stderr);
 }
 

@@ -18,7 +18,12 @@ namespace lcpbench {
 /// commands the terminal.
 template <class... Values>
 void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... values) {
-  fmt::print(stream, "{}", printable(fmt::format(format, std::forward<Values>(values)...), "\n"));
+  const std::string text = printable(fmt::format(format, std::forward<Values>(values)...), "\n");
+  if (stream == stderr) {
+    std::fputs(text.c_str(), stderr);  // where that fails, nobody is left to be told
+  } else {
+    fmt::print(stream, "{}", text);
+  }
 }
 
 /// A word as a shell takes it: in single quotes where that is needed, in bash's $'...' where it holds control
