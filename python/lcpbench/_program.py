@@ -89,7 +89,8 @@ def solve_by_program(problems: list[Problem], solver: str, time_limit: float) ->
             if problem.engine_impulses is None:
                 _native.write_problem(problem._data, file)
             else:  # for the solver `engine`
-                with Recorder(os.path.join(folder, "problem.scenes")) as recorder:
+                engine = "MuJoCo" if problem._engine_model else ""  # judged by its own friction
+                with Recorder(os.path.join(folder, "problem.scenes"), engine=engine) as recorder:
                     recorder.add(problem, 0)
                 file = os.path.join(folder, "problem.scenes#0")
             limit = min(max(time_limit, 1e-6), 1e7)  # what the program takes

@@ -174,6 +174,8 @@ def _check_pair(model: Any, data: Any) -> None:
     if not (isinstance(model, mujoco.MjModel) and isinstance(data, mujoco.MjData)):
         raise TypeError("capture: expected (model, data), an MjModel and its MjData, got "
                         f"({type(model).__name__}, {type(data).__name__})")
+    if (len(data.qpos), len(data.qvel), len(data.xquat)) != (model.nq, model.nv, model.nbody):
+        raise InputError("capture: the data are of another model")
 
 
 def _frames(data: Any, rows: np.ndarray) -> np.ndarray:
@@ -400,6 +402,10 @@ class Recorder(_files.Recorder):
 
         states = self._states.take()
         data = mujoco.MjData(self._model) if states else None
+        if not states:
+            _warn("lcpbench.mujoco.Recorder: no step was recorded: call before_step() before each mj_step()")
+        if len(states) > 1000:
+            print(f"lcpbench.mujoco.Recorder: writing {len(states)} steps", file=sys.stderr)
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             for i, state in enumerate(states):

@@ -1,5 +1,6 @@
 #include "study/commands/problem_files.h"
 
+#include <algorithm>
 #include <map>
 
 #include "core/io/problem_io.h"
@@ -14,6 +15,13 @@ auto read_visibly(const std::string& name, auto&& read) {
   ProgressLine line;
   if (line.is_on_terminal()) line.show("reading " + name);
   return interruptibly(read);
+}
+
+/// The file of the step "F.scenes#120", which is opened once; none of any other name.
+const ScenesFile* scenes_of(const std::string& step) {
+  static std::map<std::string, ScenesFile> opened;
+  const auto place = scenes_step(step);
+  return place ? &opened.try_emplace(place->first, place->first).first->second : nullptr;
 }
 
 }  // namespace
@@ -54,11 +62,20 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
 }
 
 std::vector<std::string> contact_names(const std::string& file) {
-  static std::map<std::string, ScenesFile> opened;
-  const auto place = scenes_step(file);
-  if (!place) return {};
-  const ScenesFile& scenes = opened.try_emplace(place->first, place->first).first->second;
-  return scenes.read(scenes.index_of(place->second)).contact_ids;
+  const ScenesFile* scenes = scenes_of(file);
+  if (scenes == nullptr) return {};
+  return scenes->read(scenes->index_of(scenes_step(file)->second)).contact_ids;
+}
+
+Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file) {
+  const ContactProblem* contact = problem.contact();
+  const auto names_model = [](const auto& option) { return option.first == "model"; };
+  if (spec.name != "engine" || contact == nullptr || contact->compliance_t.size() == 0) return spec;
+  if (std::ranges::any_of(spec.options, names_model)) return spec;
+  const ScenesFile* scenes = scenes_of(file);
+  if (scenes == nullptr || scenes->header().engine != "MuJoCo") return spec;
+  spec.options.emplace_back("model", to_string(FrictionModel::kConvex));
+  return spec;
 }
 
 Json errors_json(const Errors& errors) {

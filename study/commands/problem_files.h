@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/problem.h"
+#include "core/spec.h"
 #include "study/evaluation/evaluation.h"
 #include "study/output/explanation.h"
 #include "study/run/interrupt.h"
@@ -26,6 +27,11 @@ using Examine = std::function<void(const Problem& problem, const std::string& fi
 /// before the next problem. The rows are printed at the end, if `json`.
 /// @returns the exit code
 int examine_problem_files(const std::vector<std::string>& files, bool json, const Examine& examine);
+
+/// The solver `engine` by the friction that the engine solves, unless its settings say which: MuJoCo's soft contacts with
+/// friction are those of the convex model.
+/// @param file  where the problem is from: of a step "F.scenes#120"
+Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file);
 
 /// The names of the contacts of a step "F.scenes#120"; none of any other file, and where the step has none.
 std::vector<std::string> contact_names(const std::string& file);

@@ -8,6 +8,7 @@
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
+#include "study/commands/problem_files.h"
 #include "study/commands/stores.h"
 #include "study/report/report.h"
 #include "study/report/text.h"
@@ -97,6 +98,29 @@ void apply_sweep(const RunArguments& arguments, Plan& plan) {
   if (plan.solvers.empty()) throw InputError("--sweep " + arguments.sweep + ": no solver of the plan has such a sweep");
 }
 
+/// The solver `engine` by the friction that the engine solves, if that is the same in all sets: see judged_as_solved.
+void judge_engine_as_solved(Plan& plan) {
+  static constexpr std::size_t kLookedAt = 100;  // steps: the first ones may have no contacts with friction
+  const auto in_set = [](const Spec& spec, const PlannedSet& set) {
+    if (!set.pattern.starts_with("file:") || !is_scenes_file(set.pattern)) return spec;
+    const std::string file = set.pattern.substr(std::string_view("file:").size());
+    const ScenesFile scenes(file);
+    Spec judged = spec;
+    for (std::size_t i = 0; i < std::min(scenes.count(), kLookedAt) && judged.options == spec.options; ++i) {
+      judged = judged_as_solved(spec, scenes.read(i).problem, fmt::format("{}#{}", file, scenes.step_number(i)));
+    }
+    return judged;
+  };
+  for (PlannedSolver& solver : plan.solvers) {
+    if (solver.spec.name != "engine" || plan.sets.empty()) continue;
+    const Spec judged = in_set(solver.spec, plan.sets.front());
+    const bool alike = std::ranges::all_of(plan.sets, [&](const PlannedSet& set) {
+      return in_set(solver.spec, set).options == judged.options;
+    });
+    if (alike) solver.spec = judged;
+  }
+}
+
 /// The plan with what the command line says instead.
 Plan make_plan(const RunArguments& arguments) {
   Plan plan = base_plan(arguments);
@@ -122,6 +146,7 @@ Plan make_plan(const RunArguments& arguments) {
   if (arguments.jobs) plan.jobs = arguments.jobs;
   if (arguments.solved_at) plan.solved_at = arguments.solved_at;
   if (arguments.budget_s) plan.budget_s = *arguments.budget_s > 0 ? arguments.budget_s : std::nullopt;
+  judge_engine_as_solved(plan);
   return plan;
 }
 

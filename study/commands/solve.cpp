@@ -70,19 +70,10 @@ class Solvers {
     for (const Spec& spec : asked_for_) opened(spec);
   }
 
-  /// Those asked for; else all that can run here and take the problem. MuJoCo's own answer to soft contacts is judged
-  /// by the convex model of friction, which is what MuJoCo solves.
+  /// Those asked for; else all that can run here and take the problem.
   std::vector<Spec> choose(const Problem& problem, const std::string& file) const {
-    if (!asked_for_.empty()) return asked_for_;
-    std::vector<Spec> fitting;
-    for (const RegisteredSolver& solver : registered_solvers()) {
-      const Capabilities& capabilities = solver.definition.capabilities;
-      if (!(runs_unasked(solver) || capabilities.captured_only) || !why_not(capabilities, problem).empty()) continue;
-      fitting.push_back({solver.definition.name, {}});
-      const bool soft = capabilities.captured_only && problem.contact()->compliance_t.size() > 0;
-      if (soft && report::engine_of("file:" + file) == "MuJoCo")
-        fitting.back().options.emplace_back("model", to_string(FrictionModel::kConvex));
-    }
+    std::vector<Spec> fitting = asked_for_.empty() ? those_that_take(problem) : asked_for_;
+    for (Spec& spec : fitting) spec = judged_as_solved(spec, problem, file);
     return fitting;
   }
 
@@ -96,6 +87,16 @@ class Solvers {
   }
 
  private:
+  static std::vector<Spec> those_that_take(const Problem& problem) {
+    std::vector<Spec> fitting;
+    for (const RegisteredSolver& solver : registered_solvers()) {
+      const Capabilities& capabilities = solver.definition.capabilities;
+      if (!(runs_unasked(solver) || capabilities.captured_only) || !why_not(capabilities, problem).empty()) continue;
+      fitting.push_back({solver.definition.name, {}});
+    }
+    return fitting;
+  }
+
   std::vector<Spec> asked_for_;
   std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
 };

@@ -18,12 +18,15 @@ namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
-/// The reference, and projected Gauss-Seidel with as few sweeps as engines make.
-const std::vector<std::string> kSolvers{"auto", "psor{max_iterations=20}"};
+/// Beside the reference the engine's own answer, or projected Gauss-Seidel with as few sweeps as engines make.
+std::vector<std::string> default_solvers(const Problem& problem) {
+  if (problem.engine_impulses() != nullptr) return {"engine", "auto"};
+  return {"auto", "psor{max_iterations=20}"};
+}
 
 struct ViewArguments {
   std::string file;
-  std::vector<std::string> solvers;  ///< none: kSolvers
+  std::vector<std::string> solvers;  ///< none: default_solvers()
   double time_limit_s = 10.0;
   std::string out = "view.html";
   bool json = false;
@@ -92,9 +95,11 @@ std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<S
 
 Json step_document(const ViewArguments& arguments, const volatile std::sig_atomic_t* stop) {
   const Shown shown = interruptibly([&] { return read_shown(arguments.file); });
-  const std::vector<Spec> solvers = chosen(arguments.solvers.empty() ? kSolvers : arguments.solvers);
+  const Problem& problem = shown.step.problem;
+  std::vector<Spec> solvers = chosen(arguments.solvers.empty() ? default_solvers(problem) : arguments.solvers);
+  for (Spec& spec : solvers) spec = judged_as_solved(spec, problem, arguments.file);
   const std::vector<ViewedAnswer> answers =
-      answers_to(shown.step.problem, solvers, shown.header.engine_label(), arguments.time_limit_s, stop);
+      answers_to(problem, solvers, shown.header.engine_label(), arguments.time_limit_s, stop);
   return step_view(shown.header, shown.step, arguments.file, answers);
 }
 
@@ -150,7 +155,7 @@ Action add_view_command(CLI::App& command) {
   command.add_option("FILE", arguments->file, "a step F.scenes#K, a problem file, or the folder of `lcpbench replay`")
       ->required();
   add_repeatable(command, "--solver", arguments->solvers,
-                 "name{key=value,...}; may be repeated (default: auto and psor{max_iterations=20})");
+                 "name{key=value,...}; may be repeated (default: auto, beside the engine's own answer, else psor{max_iterations=20})");
   add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
   command.add_option("--out", arguments->out, "file of the page")->capture_default_str();
   add_output_options(command, arguments->json);
