@@ -216,6 +216,21 @@ QuadVector ContactLcp::generalized_impulse_scale(const QuadVector& z) const {
   return scale;
 }
 
+bool ContactLcp::adds_exactly(const QuadVector& z) const {
+  QuadVector impulse(v_.size(), 0);
+  for (std::size_t j = 0; j < impulses(); ++j) {
+    if (z[j] == 0) continue;
+    const Entries of = entries(j);
+    for (std::size_t e = 0; e < of.count; ++e) {
+      const Quad before = impulse[of.rows[e]], term = of.values[e] * (is_twin(j) ? -z[j] : z[j]), sum = before + term;
+      const Quad added = sum - before;  // [Knuth 1998, 4.2.2]
+      if ((before - (sum - added)) + (term - added) != 0) return false;
+      impulse[of.rows[e]] = sum;
+    }
+  }
+  return true;
+}
+
 QuadVector ContactLcp::response(const QuadVector& z) const {
   if (at_rest(z)) return v_;
   QuadVector u = generalized_impulse(z);

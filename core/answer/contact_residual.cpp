@@ -74,7 +74,7 @@ bool ContactResidual::tells(const Point& point, const Worst& worst) {
   for (std::size_t island = 0; island < terms.size(); ++island) {
     const Quad scale = scales()[island], rounding = kRounding * terms[island] * largest[island];
     const bool matters = rounding > kSolvedVelocityResidual * scale && scale > kZero;
-    if (matters && worst.relative * scale <= 2 * rounding) return false;
+    if (matters && worst.relative * scale <= 2 * rounding) return lcp->adds_exactly(point.z);
   }
   return true;
 }
