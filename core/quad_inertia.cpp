@@ -8,11 +8,11 @@ namespace lcpbench {
 namespace {
 
 /// Proven of the eigenvalues of a matrix scaled to unit diagonal.
-constexpr double kLeastEigenvalue = 0x1p-64, kLeastOfFactors = 0x1p-40;
+constexpr double kLeastEigenvalue = 0x1p-64;
 /// Of the length of a column outside the range so far: what rounding may leave of a dependent one, and what at least is
-/// outside of an independent one, and where the rank is not full. Of a row, what at least is outside the span of those before it.
+/// outside of an independent one. Of a row, what at least is outside the span of those before it.
 constexpr double kLeft = 0x1p-104;
-constexpr double kOutside = 0x1p-90, kFarOutside = 0x1p-30;
+constexpr double kOutside = 0x1p-90;
 constexpr double kLeastLength = 0x1p-64;
 
 Quad dot(const QuadMatrix& A, std::size_t column, const QuadMatrix& B, std::size_t other) {
@@ -42,16 +42,14 @@ QuadMatrix leading_columns(const QuadMatrix& A, std::size_t count) {
 }
 
 // Orthonormal basis of the span of X's columns, each of which adds at least kOutside of its length. @param left  of a
-// length, what is outside at most, or 1 where the rank is not full and a column added less than kFarOutside: the error of
-// the basis is about 2^-113 over that, and G* multiplies it by its square. The column chosen is orthogonalized once more:
+// length, what is outside at most. The column chosen is orthogonalized once more:
 // what the rounding of the earlier steps left along the basis would otherwise grow with the cancellation. [Giraud,
 // Langou, Rozloznik 2005]
 QuadMatrix orthonormal_range(QuadMatrix X, Quad& left) {
+  left = 0;
   scale_to_unit_length(X);
   QuadMatrix basis(X.rows, std::min(X.rows, X.cols));
   std::vector<bool> used(X.cols, false);
-  Quad least = 1;  // added by a column
-  const auto is_far_or_full = [&](std::size_t rank) { return rank == X.rows || least > kFarOutside * kFarOutside; };
   for (std::size_t rank = 0; rank < basis.cols; ++rank) {
     std::size_t longest = 0;
     Quad square = 0;
@@ -62,10 +60,9 @@ QuadMatrix orthonormal_range(QuadMatrix X, Quad& left) {
       longest = j;
     }
     if (!(square > kOutside * kOutside)) {
-      left = is_far_or_full(rank) ? sqrt(square) : 1;
+      left = sqrt(square);
       return leading_columns(basis, rank);
     }
-    least = std::min(least, square);
     for (std::size_t b = 0; b < rank; ++b) remove_component(basis, b, X, longest);
     const Quad length = sqrt(dot(X, longest, X, longest));
     for (std::size_t i = 0; i < X.rows; ++i) basis(i, rank) = X(i, longest) / length;
@@ -74,7 +71,6 @@ QuadMatrix orthonormal_range(QuadMatrix X, Quad& left) {
       if (!used[j]) remove_component(basis, rank, X, j);
     }
   }
-  left = is_far_or_full(basis.cols) ? 0 : 1;
   return basis;
 }
 
@@ -266,7 +262,7 @@ bool QuadInertia::factor_independent(Block& block, const QuadMatrix& X, const Qu
   QuadMatrix columns = X;
   scale_to_unit_length(columns);
   const QuadMatrix gram = gram_of_columns(columns);
-  if (!lcpbench::proven_positive_definite(gram, X.rows + 6, kLeastOfFactors) || !block.factor.factor(gram))
+  if (!lcpbench::proven_positive_definite(gram, X.rows + 6, kLeastEigenvalue) || !block.factor.factor(gram))
     return false;
   for (std::size_t k = 0; k < X.cols; ++k) {
     if (!(alpha[k] > 0)) return false;

@@ -11,15 +11,13 @@ namespace lcpbench {
 /// The inertia G of a contact problem and its (pseudo-)inverse G*, in 113-bit arithmetic.
 ///
 /// - G regular: G* = G^-1 by LDL', where G scaled to unit diagonal is proven to have no eigenvalue below 2^-64.
-/// - Fewer factors than coordinates: G* = X K^-1 diag(alpha)^-1 K^-1 X' with K = X'X, where K scaled to unit diagonal is
-///   proven to have no eigenvalue below 2^-40: its inverse stands there twice.
+/// - Fewer factors than coordinates: G* = X K^-1 diag(alpha)^-1 K^-1 X' with K = X'X, where the same is proven of K.
 /// - Where neither is proven, pivoting finds the rank. G* = B (B'G B)^-1 B' with an orthonormal basis B of the range.
-///   The rank has to have a visible gap: each column of B adds at least 2^-30 of the length of one of G or X (the error
-///   of G* is about 2^-113 over the cube of that; 2^-90 if the rank is full), and at most 2^-104 of the length of each is
-///   left outside. Of factors W = X diag(alpha)^1/2, each row of B'W has 2^-64 of its length outside the span of the rows
-///   before it. B'G B of a given G has no diagonal entry below 2^-40 of the largest, and scaled to unit diagonal it is
-///   proven to have no eigenvalue below 2^-64. The rank is the same, with the same gap, when the rows of G or W are scaled
-///   to unit length. Without a gap the inertia is unresolved.
+///   The rank has to have a visible gap: each column of B adds at least 2^-90 of the length of one of G or X, and at
+///   most 2^-104 of the length of each is left outside. Of factors W = X diag(alpha)^1/2, each row of B'W has 2^-64 of
+///   its length outside the span of the rows before it. B'G B of a given G has no diagonal entry below 2^-40 of the
+///   largest, and scaled to unit diagonal it is proven to have no eigenvalue below 2^-64. The rank is the same, with
+///   the same gap, when the rows of G or W are scaled to unit length. Without a gap the inertia is unresolved.
 /// - A given G, or block, that is indefinite by rounding: its pivoted LDL' is cut at n 2^-52 max G_ii, and G* is the
 ///   pseudo-inverse with the range of the columns kept.
 /// - G* given: it is used as it is; G is then unknown.

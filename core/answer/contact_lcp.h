@@ -55,12 +55,10 @@ class ContactLcp {
 
   /// Whether every impulse in z is zero.
   bool at_rest(const QuadVector& z) const;
-  /// J f for the impulses f in z.
+  /// J f for the impulses f in z. Impulses that cancel leave what 113 bits lose of their sum.
   QuadVector generalized_impulse(const QuadVector& z) const;
   /// |J| |f|, entry by entry: the scale of rounding in J f.
   QuadVector generalized_impulse_scale(const QuadVector& z) const;
-  /// Whether generalized_impulse() rounds nothing: products of doubles are exact.
-  bool adds_exactly(const QuadVector& z) const;
   /// max(max |q_i|, floor / bound) over the rows of an island. floor is the largest error of forming a q_i in double,
   /// (k_i + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074) with k_i nonzero entries in J_i and b_i.
   Quad scale(std::span<const std::size_t> rows, double bound) const;

@@ -60,25 +60,6 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
   return worst;
 }
 
-bool ContactResidual::tells(const Point& point, const Worst& worst) {
-  // |M_ij z_j| <= sqrt(M_ii M_jj) |z_j|. Rows of an island whose q is zero are exact or not at all.
-  constexpr double kRounding = 0x1p-107, kZero = 0x1p-1000;
-  QuadVector terms(rows_.count(), 0), largest(rows_.count(), 0);
-  for (std::size_t row = 0; row < lcp->impulses(); ++row) {
-    if (islands_.of_row[row] < 0 || point.z[row] == 0) continue;
-    const auto island = static_cast<std::size_t>(islands_.of_row[row]);
-    const Quad root = sqrt(lcp->diagonal(row));
-    terms[island] += root * abs(point.z[row]);
-    largest[island] = larger(largest[island], root);
-  }
-  for (std::size_t island = 0; island < terms.size(); ++island) {
-    const Quad scale = scales()[island], rounding = kRounding * terms[island] * largest[island];
-    const bool matters = rounding > kSolvedVelocityResidual * scale && scale > kZero;
-    if (matters && worst.relative * scale <= 2 * rounding) return lcp->adds_exactly(point.z);
-  }
-  return true;
-}
-
 double ContactResidual::rho(const Point& point) {
   const bool is_known = point.is_finite();
   const double rho = is_known ? to_double(worst(FrictionModel::kPyramid, point).relative) : 0;

@@ -45,10 +45,6 @@ class ContactResidual {
   void for_each_row(FrictionModel model, const Point& point, Visit&& visit);
   Worst worst(FrictionModel model, const Point& point);
 
-  /// Whether 113 bits tell on which side of the bound of solved the worst residual is: impulses that cancel leave the
-  /// rounding of their terms.
-  bool tells(const Point& point, const Worst& worst);
-
   /// rho by the pyramid; infinity where 113 bits do not tell what G* is.
   double rho(const Point& point);
 

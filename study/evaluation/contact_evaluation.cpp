@@ -27,8 +27,7 @@ Errors ContactEvaluation::errors(const Answer& answer, FrictionModel model) {
   } else if (model == FrictionModel::kConvex && contact_.lcp) {
     errors.optimum_distance = optimum_distance(answer.z);
   }
-  errors.unresolved = errors.unresolved || inertia.unresolved() || !has_model;
-  errors.solved = errors.solved && !errors.unresolved;
+  errors.unresolved = inertia.unresolved() || !has_model;
   return errors;
 }
 
@@ -73,7 +72,6 @@ void ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   errors.criterion =
       errors.work_gain_j - to_double(work) < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
   ReturnedVelocity(contact_, z, u).measure(answer.velocity, errors);
-  errors.unresolved = !contact_.tells(point, worst);
 }
 
 WorstRow ContactEvaluation::describe(const ContactResidual::Worst& worst, FrictionModel model,

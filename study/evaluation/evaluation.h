@@ -79,8 +79,8 @@ struct Errors {
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
-  /// Not measured: 113 bits do not tell what G* is (see QuadInertia) or what is left of impulses that cancel, or the
-  /// friction directions name no round cone, by which the answer is to be measured.
+  /// Not measured: 113 bits do not tell what G* is (see QuadInertia), or the friction directions name no round cone, by
+  /// which the answer is to be measured.
   bool unresolved = false;
   double limit = kSolvedVelocityResidual;  ///< on measure(), by which `solved` was decided
   /// measure() <= limit, r is no overflow, and velocity_passes().

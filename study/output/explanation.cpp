@@ -158,9 +158,6 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   if (answer.claim == Claim::kSolved) {
     const std::string no_cone = answer.model == FrictionModel::kPyramid ? "" : why_no_cone(*problem.contact());
     if (!no_cone.empty()) return "said solved; not measured, because no round cone is known for " + no_cone;
-    if (!std::isnan(answer.errors.velocity_residual_relative)) {
-      return "said solved; not measured, because its impulses cancel beyond what 113 bits tell";
-    }
     return "said solved; inertia unresolved: the answer is not measured, as 113 bits do not tell the rank of G";
   }
   const bool known = answer.verdict == Verdict::kMissed;

@@ -474,22 +474,18 @@ Matrix nearly_singular() {
   return G;
 }
 
-/// 113 bits do not hold 5 beside 1e36; where they cancel first, all is exact.
-TEST(EvaluationTest, ImpulsesThatCancelAreMeasuredRightlyOrNotAtAll) {
+/// 113 bits do not hold 5 beside 1e36.
+TEST(EvaluationTest, WhatIsLeftOfImpulsesThatCancelIsMeasuredInAnyOrder) {
   for (const bool first : {true, false}) {
     Matrix N(1, 4);
     if (first) N << 1, 1, -1, 1;
     else N << 1, -1, 1, 1;
     ContactProblem problem = frictionless(vec({0}), N, DenseInertia{Matrix::Identity(1, 1)});
     problem.b = vec({0, 0, 0, 1});
-    const auto pressed = [&](double large) { return first ? vec({5, large, large, 0}) : vec({large, large, 5, 0}); };
-    const Errors lost = evaluate(Problem("lost", problem), pressed(1e36));
-    EXPECT_EQ(verdict(Claim::kSolved, lost, Truth::kUnknown), first ? Verdict::kOpen : Verdict::kWrong);
-    const Errors exact = evaluate(Problem("exact", problem), first ? vec({0, 1e36, 1e36, 0}) : vec({1e36, 1e36, 0, 0}));
-    EXPECT_EQ(exact.velocity_residual_relative, 0);
-    EXPECT_FALSE(exact.unresolved);
-    const Errors held = evaluate(Problem("held", problem), pressed(1e20));
-    EXPECT_NEAR(held.velocity_residual_relative, 5, 1e-6);
+    for (const double large : {1e20, 1e36, 1e100}) {
+      const Vector z = first ? vec({5, large, large, 0}) : vec({large, large, 5, 0});
+      EXPECT_EQ(evaluate(Problem("pressed", problem), z).velocity_residual_relative, 5) << large;
+    }
   }
 }
 
