@@ -73,5 +73,10 @@ int main(int argc, char** argv) {
     dWorldStep(world, h);
     dJointGroupEmpty(joints);
   }
-  return lcpbench_capture_close(capture) == 0 ? 0 : 1;
+  const bool is_written = lcpbench_capture_close(capture) == 0;
+  dJointGroupDestroy(joints);
+  dSpaceDestroy(space);
+  dWorldDestroy(world);
+  dCloseODE();
+  return is_written ? 0 : 1;
 }
