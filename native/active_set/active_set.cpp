@@ -9,7 +9,6 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/contacts/dense_data.h"
-#include "native/answer_test/answer_test.h"
 
 namespace lcpbench {
 namespace {
@@ -356,7 +355,7 @@ bool ActiveSet::run(active_set::Engine& engine, double price, double* z, double*
 /// Whether the contacts of farkas_ prove that there is no solution.
 bool ActiveSet::is_disproved() {
   if (input_.compliance != nullptr) return false;  // the proof knows nothing of it
-  constexpr double kNoShare = 0x1p-80;  // of the largest: rounding
+  constexpr double kNoShare = 0x1p-80;             // of the largest: rounding
   const double largest = farkas_.view().maxCoeff();
   support_.clear();
   for (Index j = 0; j < input_.nc; ++j) {

@@ -101,12 +101,7 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
   answer.detail = bare_ ? "proven" : "ray to rounding";
-  if (bare_) {
-    answer.farkas = bare_test_.proof();
-  } else {
-    answer.farkas.resize(contact_->nc());
-    farkas_.write_proof(answer.farkas);
-  }
+  answer.farkas = bare_ ? bare_test_.proof() : farkas_.proof();
 }
 
 bool AnswerTest::solves(const Vector& z) {
@@ -183,7 +178,7 @@ AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
 
 /// Of contacts: whether they are proven to have no solution.
 bool AnswerTest::is_disproved(double deadline_s) {
-  return may_be_unsolvable_ && farkas_.proves_unsolvable(velocity_.data(), deadline_s);
+  return may_be_unsolvable_ && farkas_.proves_unsolvable(velocity_, deadline_s);
 }
 
 /// Whether contacts that are tested together can be loaded in 113 bits before the deadline.

@@ -5,11 +5,11 @@
 
 #include "core/problem.h"
 #include "core/solver.h"
+#include "native/active_set/contact_farkas.h"
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/bodies_test.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/contact_input.h"
-#include "native/proofs/contact_farkas.h"
 #include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {

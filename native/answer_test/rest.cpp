@@ -5,7 +5,7 @@
 
 #include "core/compliance.h"
 #include "core/entries.h"
-#include "native/proofs/contact_farkas.h"
+#include "native/proofs/doubtful_inertia.h"
 #include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {

@@ -22,7 +22,7 @@
 #include "native/contacts/contact_impulses.h"
 #include "native/contacts/row_bounds.h"
 #include "native/lcp_ladder/lcp_ladder.h"
-#include "native/proofs/contact_farkas.h"
+#include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "native/auto/powers.h"
 #include "native/contacts/contact_impulses.h"
-#include "native/proofs/contact_farkas.h"
+#include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
 namespace {

@@ -7,7 +7,7 @@
 #include "native/answer_test/rest.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/contacts/row_bounds.h"
-#include "native/proofs/contact_farkas.h"
+#include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
 void IslandOfProblem::load(ProblemCutter& whole, const Island& island, const Vector& v, std::vector<char>& carries,

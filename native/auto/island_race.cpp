@@ -10,7 +10,7 @@
 
 #include "core/timed_solve.h"
 #include "native/auto/prediction.h"
-#include "native/proofs/contact_farkas.h"
+#include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
 namespace {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <variant>
 
 #include "core/entries.h"
@@ -192,8 +193,8 @@ double Rest::speed_left() {
 }
 
 /// y += mass^-1 a missing / (a'mass^-1 a), a = N + factor d: then a'y has grown by what is missing.
-template <class Normals, class Directions>
-void Rest::push(const Normals& N, const Directions& D, Index contact, Rows body, Index direction, double factor,
+template <class Normals, class Directions, class Body>
+void Rest::push(const Normals& N, const Directions& D, Index contact, Body body, Index direction, double factor,
                 double missing) {
   rows_.clear();
   const auto add = [&](double times) {
@@ -216,10 +217,11 @@ void Rest::push(const Normals& N, const Directions& D, Index contact, Rows body,
 /// The least (N + mu d)'y of the contact over its directions d, of a body's coordinates. @param direction the contact's
 /// first; becomes that d
 /// @param factor becomes mu, with the sign of d
-template <class Normals, class Directions>
-double Rest::parting(const Normals& N, const Directions& D, Index contact, Rows body, Index& direction,
+template <class Normals, class Directions, class Body>
+double Rest::parting(const Normals& N, const Directions& D, Index contact, Body body, Index& direction,
                      double& factor) const {
-  const auto speed = [this, body](const auto& J, Index column) {
+  const auto speed = [this, body](const auto& J, Index column) -> double {
+    if constexpr (std::is_same_v<Body, AllRows>) return J.col(column).dot(y_);
     double sum = 0;
     for_each_entry(J, column, [&](Index row, double entry) { sum += body.contain(row) ? entry * y_(row) : 0; });
     return sum;
@@ -253,7 +255,7 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
       if (touches(contact)) {
         Index fastest = direction;
         double factor = 0;
-        const double now = parting(N, D, contact, all(), fastest, factor);
+        const double now = parting(N, D, contact, AllRows{}, fastest, factor);
         if (sweep == 0) {
           needs_[c] = std::max(-now, 0.0);
           largest_need = std::max(largest_need, needs_[c]);
@@ -266,7 +268,7 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
         const double target = kParting * (needs_[c] > 0 ? needs_[c] : kLeastNeed * largest_need);
         const bool pushes = now < 0 || (needs_[c] > 0 && sweep <= first_sweeps);
         const double step = (sweep <= first_sweeps ? 1 : kRelaxation) * (target - now);
-        if (sweep > 0 && pushes) push(N, D, contact, all(), fastest, factor, step);
+        if (sweep > 0 && pushes) push(N, D, contact, AllRows{}, fastest, factor, step);
       }
       direction += contact_->edges[c];
     }

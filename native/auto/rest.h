@@ -69,6 +69,9 @@ class Rest {
     Index first, last;
     bool contain(Index row) const { return first <= row && row < last; }
   };
+  struct AllRows {
+    static constexpr bool contain(Index) { return true; }
+  };
   /// What a contact moves of one body.
   struct Part {
     Index contact, direction;
@@ -77,14 +80,13 @@ class Rest {
   static constexpr Index kParts = 6;  ///< of room_
 
   bool has_free_momentum();
-  template <class Normals, class Directions>
-  double parting(const Normals& N, const Directions& D, Index contact, Rows body, Index& direction,
+  template <class Normals, class Directions, class Body>
+  double parting(const Normals& N, const Directions& D, Index contact, Body body, Index& direction,
                  double& factor) const;
-  template <class Normals, class Directions>
-  void push(const Normals& N, const Directions& D, Index contact, Rows body, Index direction, double factor,
+  template <class Normals, class Directions, class Body>
+  void push(const Normals& N, const Directions& D, Index contact, Body body, Index direction, double factor,
             double missing);
   bool has_several_bodies() const;
-  Rows all() const { return {.first = 0, .last = y_.size()}; }
   template <class Normals, class Directions>
   void find_parts(const Normals& N, const Directions& D);
   template <class Normals, class Directions>

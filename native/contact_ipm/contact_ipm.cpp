@@ -297,12 +297,11 @@ void ContactIpm::find_direction(Vector& dx, Vector& ds) {
 }
 
 double ContactIpm::longest_step(const Vector& dx, const Vector& ds) const {
-  double longest = kInfinity;
-  for (Index i = 0; i < dx.size(); ++i) {
-    if (dx(i) < 0) longest = std::min(longest, -x_(i) / dx(i));
-    if (ds(i) < 0) longest = std::min(longest, -s_(i) / ds(i));
-  }
-  return longest;
+  if (dx.size() == 0) return kInfinity;
+  const auto steepest = [](const Vector& change, const Vector& of) {
+    return (-change.array() / of.array()).maxCoeff();
+  };
+  return 1 / std::max({steepest(dx, x_), steepest(ds, s_), 0.0});
 }
 
 /// @returns whether the path goes on

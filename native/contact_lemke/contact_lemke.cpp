@@ -137,7 +137,6 @@ double ContactLemke::load_work(const Problem& problem, Index idle) {
 
 void ContactLemke::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (may_be_unsolvable(contact)) farkas_.reserve(contact);
   doubtful_.reserve(contact);
   const Index ngc = ContactInput::coordinates(contact);
   data_.reserve(ngc, contact.nc(), cols(contact.D));
@@ -433,7 +432,7 @@ bool ContactLemke::is_disproved() {
   if (!may_be_unsolvable_ || found_.is_asked) return found_.is_disproved;
   found_.is_asked = true;
   progress_.work += work_of_proof(data_.input.ngc, rows_of(*problem().contact()));
-  return found_.is_disproved = farkas_.proves_unsolvable(given_v_.data(), progress_.deadline_s);
+  return found_.is_disproved = farkas_.proves_unsolvable(given_v_.view(), progress_.deadline_s);
 }
 
 void ContactLemke::report(Answer& answer) {
@@ -456,8 +455,7 @@ void ContactLemke::report(Answer& answer) {
   if (found_.is_disproved) {
     answer.z.setZero();
     answer.claim = Claim::kUnsolvable;
-    answer.farkas.resize(data_.input.nc);
-    farkas_.write_proof(answer.farkas);
+    answer.farkas = farkas_.proof();
     answer.detail = "ray to rounding";
   } else if (found_.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;

@@ -1,8 +1,10 @@
 #include "native/proofs/doubtful_inertia.h"
 
 #include <algorithm>
+#include <variant>
 
 #include "core/answer/contact_residual.h"
+#include "core/compliance.h"
 
 namespace lcpbench {
 namespace {
@@ -17,6 +19,16 @@ bool mixes_scales(const Matrix& Ginv) {
 }
 
 }  // namespace
+
+bool may_be_singular(const ContactProblem& contact) {
+  return std::holds_alternative<FactoredInertia>(contact.inertia) ||
+         std::holds_alternative<InverseInertia>(contact.inertia);
+}
+
+bool may_be_unsolvable(const ContactProblem& contact) {
+  if (every_contact_yields(contact)) return false;
+  return may_be_singular(contact) || !(contact.b.array() >= 0).all();
+}
 
 void DoubtfulInertia::reserve(const ContactProblem& contact) {
   const auto* factors = std::get_if<FactoredInertia>(&contact.inertia);

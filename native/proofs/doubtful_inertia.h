@@ -15,6 +15,13 @@ inline constexpr double kClaimedResidual = 5e-5;
 /// solution by that little.
 inline constexpr double kSureResidual = 1e-9;
 
+/// Whether the inertia is given in a form that may be singular: by factors or as G*.
+bool may_be_singular(const ContactProblem& contact);
+
+/// Whether ContactFarkas may find a proof that there is no solution: some contact has no compliance, and the inertia
+/// may be singular or an offset b is negative. Without such a proof tangential offsets, too, may leave no solution.
+bool may_be_unsolvable(const ContactProblem& contact);
+
 /// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
 /// factored: factors that may be dependent, a given G* of coordinates far apart in scale, a G that is nearly singular.
 /// It shares no factorization with them.

@@ -9,7 +9,8 @@ namespace lcpbench {
 
 std::optional<Certificate> BoundedCertifier::certify(const Problem& problem) {
   const ContactProblem* contact = problem.contact();
-  if (problem.size() > kMostRows || (contact != nullptr && contact->ngc() > kMostCoordinates)) return std::nullopt;
+  const Index rows = contact != nullptr ? contact->nc() : problem.size();
+  if (rows > kMostRows || (contact != nullptr && contact->ngc() > kMostCoordinates)) return std::nullopt;
   if (certifier_ == nullptr) certifier_ = std::make_unique<Certifier>(CertifyOptions{.most_work = kMostWork});
   try {
     Certificate certificate = certifier_->certify(problem);

@@ -41,7 +41,9 @@ TEST_P(SupportSearchOnTextbookLcps, DecidesThemAll) {
   EXPECT_GE(found.z.minCoeff(), 0);
   // One rounding of each z_i, and the residual itself is computed in double.
   EXPECT_LE(testing::relative_residual(textbook.lcp, found.z), 1e-14) << found.z.transpose();
-  if (textbook.unique) EXPECT_EQ(found.z, textbook.z) << found.z.transpose();
+  if (textbook.unique) {
+    EXPECT_EQ(found.z, textbook.z) << found.z.transpose();
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SupportSearchOnTextbookLcps, ::testing::ValuesIn(testing::textbook_lcps()),
