@@ -100,7 +100,7 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
 
 void AnswerTest::report_proof(Answer& answer) {
   answer.claim = Claim::kUnsolvable;
-  answer.detail = bare_ ? "proven" : "ray to rounding";
+  answer.detail = bare_ ? "proven" : "the normals contradict each other";
   answer.farkas = bare_ ? bare_test_.proof() : farkas_.proof();
 }
 

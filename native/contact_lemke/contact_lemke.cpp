@@ -456,7 +456,7 @@ void ContactLemke::report(Answer& answer) {
     answer.z.setZero();
     answer.claim = Claim::kUnsolvable;
     answer.farkas = farkas_.proof();
-    answer.detail = "ray to rounding";
+    answer.detail = "the normals contradict each other";
   } else if (found_.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;
   } else if (found_.ending == Ending::kPivotLimit) {
