@@ -59,14 +59,16 @@ void Race::expect(std::size_t entrant, double residual) {
     run.noted_at = run.work;
   }
   const Entrant& predicted = entrants_[entrant];
-  const double expected = run.work * (was_at_aim ? kStalled : slowness(run.residual));
+  const double idle = run.noted_at > 0 ? run.work / run.noted_at : 1;
+  const double expected = run.work * (was_at_aim ? kStalled : idle * slowness(run.residual));
   const bool is_trusted = run.work <= kTrusted * predicted.cost;
   const bool is_certain = is_trusted && !predicted.falls_late && predicted.shape > kShapeByResidual;
   const bool is_silent = !run.solver->residual_tells();
   const bool prediction_tells_more =
       is_silent || is_certain || (predicted.falls_late && predicted.cost <= expected);
   run.expected = prediction_tells_more ? predicted.cost : expected;
-  run.shape = prediction_tells_more ? predicted.shape : kShapeByResidual;
+  const bool is_shape_known = prediction_tells_more || (is_trusted && predicted.falls_late);
+  run.shape = is_shape_known ? predicted.shape : kShapeByResidual;
   if (is_silent && !is_trusted) run.shape = std::min(run.shape, kShapeByResidual);
   const bool stalls = run.work >= kStalled * run.noted_at;
   const std::size_t next = entrant + 1;

@@ -57,10 +57,11 @@ class Stable {
 ///
 ///    for t = kStretch w or, if its shape is at least kCertain, kHorizon m, whichever gives more. Its turn ends at t.
 ///    Median m and shape are at first what was predicted. After a turn of an entrant that converges, and has come to a
-///    residual r, m is w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; kStalled w
-///    if r was at the aim before this turn and it still claims nothing. The shape is then kShapeByResidual. A
-///    prediction with a larger shape stays until w is twice the predicted work. Of an entrant whose residual falls
-///    late, the prediction stays as long as it is at most m. Of the others that converge, turns after the first end at
+///    residual r, m is w (r / aim)^kSlowness times w over the work when r last fell: what it took so far, and twice that
+///    if r is 32 times the aim; kStalled w if r was at the aim before this turn and it still claims nothing. The shape
+///    is then kShapeByResidual. A prediction with a larger shape stays until w is twice the predicted work. Of an
+///    entrant whose residual falls late, the prediction stays as long as it is at most m, and its shape until w is twice
+///    the predicted work. Of the others that converge, turns after the first end at
 ///    kLook times their work, because each turn gives a new residual. While ResumableSolver::residual_tells() says no,
 ///    m and the longer turns stay as predicted; once w is twice the predicted work, the shape is at most
 ///    kShapeByResidual.
