@@ -1,5 +1,6 @@
 #include "native/auto/rest.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -38,6 +39,8 @@ constexpr double kLeastTerm = 0x1p-900;
 constexpr double kFastestNear = 1e-5;
 /// Least y'G v of a proof, over |y|'|G v|.
 constexpr double kLeastMomentum = 1e-9;
+/// Of Cholesky's method, over the diagonal of G.
+constexpr double kLeastPivot = 1e-13;
 
 }  // namespace
 
@@ -55,6 +58,9 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
   for (Coordinates* part : {&momentum_, &mass_, &moves_, &y_, &magnitude_, &column_}) {
     new (part) Coordinates(room_.col(next++).data(), ngc);
   }
+  for_each_matrix(contact.inertia, [this](const Matrix& block, Index) {
+    if (block.rows() > factor_.rows()) factor_.resize(block.rows(), block.rows());
+  });
   double least_offset = 0;
   fastest_ = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
@@ -413,6 +419,22 @@ void Rest::bring_into_cones(Vector& z) const {
   }
 }
 
-void Rest::write_velocity(AnswerVector& u) const { u = (moves_.array() > 0).select(0.0, *v_); }
+bool Rest::is_inertia_regular() {
+  bool regular = true;
+  for_each_matrix(contact_->inertia, [&](const Matrix& block, Index) {
+    if (!regular || block.rows() == 0) return;
+    Eigen::Ref<Matrix> factor = factor_.topLeftCorner(block.rows(), block.rows());
+    factor = block;
+    const Eigen::LLT<Eigen::Ref<Matrix>> factors(factor);
+    const auto pivots = factor.diagonal().array();
+    regular = factors.info() == Eigen::Success && (pivots * pivots > kLeastPivot * block.diagonal().array()).all();
+  });
+  return regular;
+}
+
+void Rest::write_velocity(AnswerVector& u) {
+  if (!is_inertia_regular()) return u.resize(0);
+  u = (moves_.array() > 0).select(0.0, *v_);
+}
 
 }  // namespace lcpbench

@@ -59,8 +59,9 @@ class Rest {
   /// @param near velocity of an answer that slips
   bool is_refuted(const Vector& near);
 
-  /// v+ of the island at rest: coordinates that no contact moves keep their velocity.
-  void write_velocity(AnswerVector& u) const;
+  /// v+ of the island at rest: coordinates that no contact moves keep their velocity. Empty where G may be singular: then
+  /// motion without momentum goes on. O(size^3) for each block of G
+  void write_velocity(AnswerVector& u);
 
  private:
   using Coordinates = Eigen::Map<Vector>;
@@ -94,6 +95,7 @@ class Rest {
   template <class Normals, class Directions>
   bool refutes(const Normals& N, const Directions& D);
   bool is_out_of_range() const;
+  bool is_inertia_regular();
   bool touches(Index contact) const { return contact_->offset(contact) <= touching_; }
 
   const ContactProblem* contact_ = nullptr;
@@ -105,6 +107,7 @@ class Rest {
   Coordinates mass_{nullptr, 0};      ///< diagonal of G
   Coordinates moves_{nullptr, 0};     ///< 1 where a contact moves the coordinate, else 0
   Coordinates y_{nullptr, 0}, magnitude_{nullptr, 0}, column_{nullptr, 0};
+  Matrix factor_;              ///< scratch: Cholesky's, of a block
   std::vector<double> needs_;  ///< by contact: how fast it approaches at the first y
   std::vector<Index> rows_;    ///< of column_ that are not zero
   std::vector<Part> parts_;    ///< of the touching contacts

@@ -173,6 +173,23 @@ TEST(AutoRestTest, ImpulsesOfTheLastStepCountOnlyIfTheyAreAsExactAsNewOnes) {
   }
 }
 
+TEST(AutoRestTest, MotionWithoutMomentumGoesOn) {
+  ContactProblem contact;
+  contact.v = Vector{{-1, 1}};
+  contact.N = Matrix{{0, 4}, {0, 4}};
+  contact.D = Matrix(2, 0);
+  contact.edges = {0, 0};
+  contact.mu = Vector::Zero(2);
+  contact.inertia = DenseInertia{Matrix::Constant(2, 2, 40)};
+  const Problem problem("massless motion", contact);
+  const auto solver = make_solver(parse_spec("auto"));
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_LE((velocity_after(problem, answer) - contact.v).cwiseAbs().maxCoeff(), 1e-12);  // rounding
+}
+
 TEST(AutoRestTest, SolvesWhereRestIsImpossible) {
   const auto solver = make_solver(parse_spec("auto"));
   for (const std::string& name : expand_sets("rest/*{margin=0.7}")) {
