@@ -61,10 +61,9 @@ class Stable {
 ///    if r is 32 times the aim; kStalled w if r was at the aim before this turn and it still claims nothing. The shape
 ///    is then kShapeByResidual. A prediction with a larger shape stays until w is twice the predicted work. Of an
 ///    entrant whose residual falls late, the prediction stays as long as it is at most m, and its shape until w is twice
-///    the predicted work. Of the others that converge, turns after the first end at
-///    kLook times their work, because each turn gives a new residual. While ResumableSolver::residual_tells() says no,
-///    m and the longer turns stay as predicted; once w is twice the predicted work, the shape is at most
-///    kShapeByResidual.
+///    the predicted work. Of the others that converge, turns after the first end at kLook times their work, because each
+///    turn gives a new residual. While ResumableSolver::residual_tells() says no, m and the longer turns stay as
+///    predicted; once w is twice the predicted work, the shape is at most kShapeByResidual.
 /// 3. An entrant that has done more than kLead times the least that one still in the race has done, waits. Of one that
 ///    has not begun, the load counts as done; for the least, its least cost if that is more. No turn ends above 2 kLead
 ///    times the least.
