@@ -46,18 +46,6 @@ class SoftRows {
     sum += Real(direction[1]) * x[1];
     return sum;
   }
-  /// The number of terms that compliance and offset add to the w of direction k, for bounds on its rounding: one for
-  /// each tangent along which they act and the direction has a component.
-  int terms(Index contact, Index k) const {
-    const std::array<double, 2> direction = edge_direction(k, edges(contact));
-    int count = 0;
-    for (const int tangent : {0, 1}) {
-      const bool acts =
-          problem_.tangential_compliance(contact) != 0 || problem_.tangential_offset(contact, tangent) != 0;
-      if (acts && direction[static_cast<std::size_t>(tangent)] != 0) ++count;
-    }
-    return count;
-  }
   /// r_t |C_k|^2: what compliance adds to the diagonal entry of M for direction k.
   Real diagonal(Index contact, Index k) const {
     const std::array<double, 2> direction = edge_direction(k, edges(contact));

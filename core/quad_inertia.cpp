@@ -33,6 +33,18 @@ void scale_to_unit_length(QuadMatrix& X) {
   }
 }
 
+Quad length_of(const Quad* x, std::size_t size) {
+  Quad square = 0;
+  for (std::size_t i = 0; i < size; ++i) square += x[i] * x[i];
+  return sqrt(square);
+}
+
+Quad sum_of_magnitudes(const QuadVector& x) {
+  Quad sum = 0;
+  for (const Quad value : x) sum += abs(value);
+  return sum;
+}
+
 QuadMatrix leading_columns(const QuadMatrix& A, std::size_t count) {
   QuadMatrix leading(A.rows, count);
   for (std::size_t i = 0; i < A.rows; ++i) {
@@ -41,13 +53,40 @@ QuadMatrix leading_columns(const QuadMatrix& A, std::size_t count) {
   return leading;
 }
 
+/// A few roundings for each of `terms` terms of a sum.
+Quad rounding_of(std::size_t terms) { return 4 * static_cast<double>(terms + 2) * kQuadUnitRoundoff; }
+
+/// See orthonormal_range(). R has the chosen columns by the basis, in the order of both, and is upper triangular.
+Quad tilt_of(const QuadMatrix& unit, const std::vector<std::size_t>& chosen, const QuadMatrix& basis) {
+  const std::size_t n = chosen.size();
+  Quad squares = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    QuadVector column(n, 0);  // of R^-1
+    column[j] = 1;
+    for (std::size_t i = j + 1; i-- > 0;) {
+      for (std::size_t k = i + 1; k <= j; ++k) column[i] -= dot(basis, i, unit, chosen[k]) * column[k];
+      column[i] /= dot(basis, i, unit, chosen[i]);
+      squares += column[i] * column[i];
+    }
+  }
+  return rounding_of(unit.rows + n) * sqrt(Quad{static_cast<double>(n)} * squares);
+}
+
 // Orthonormal basis of the span of X's columns, each of which adds at least kOutside of its length. @param left  of a
-// length, what is outside at most. The column chosen is orthogonalized once more:
+// length, what is outside at most @param tilt  set to a bound on the sine of the angle by which rounding turns the span
+// of the columns chosen: their norm is at most the root of their number, the rounding of each a few units, and
+// R^-1 = (B'X)^-1 carries it to the basis B. [Wedin 1972] The column chosen is orthogonalized once more:
 // what the rounding of the earlier steps left along the basis would otherwise grow with the cancellation. [Giraud,
 // Langou, Rozloznik 2005]
-QuadMatrix orthonormal_range(QuadMatrix X, Quad& left) {
+QuadMatrix orthonormal_range(QuadMatrix X, Quad& left, Quad* tilt = nullptr) {
   left = 0;
   scale_to_unit_length(X);
+  const QuadMatrix unit = tilt != nullptr ? X : QuadMatrix();
+  std::vector<std::size_t> chosen;
+  const auto finish = [&](QuadMatrix basis) {
+    if (tilt != nullptr) *tilt = tilt_of(unit, chosen, basis);
+    return basis;
+  };
   QuadMatrix basis(X.rows, std::min(X.rows, X.cols));
   std::vector<bool> used(X.cols, false);
   for (std::size_t rank = 0; rank < basis.cols; ++rank) {
@@ -61,22 +100,23 @@ QuadMatrix orthonormal_range(QuadMatrix X, Quad& left) {
     }
     if (!(square > kOutside * kOutside)) {
       left = sqrt(square);
-      return leading_columns(basis, rank);
+      return finish(leading_columns(basis, rank));
     }
     for (std::size_t b = 0; b < rank; ++b) remove_component(basis, b, X, longest);
     const Quad length = sqrt(dot(X, longest, X, longest));
     for (std::size_t i = 0; i < X.rows; ++i) basis(i, rank) = X(i, longest) / length;
     used[longest] = true;
+    chosen.push_back(longest);
     for (std::size_t j = 0; j < X.cols; ++j) {
       if (!used[j]) remove_component(basis, rank, X, j);
     }
   }
-  return basis;
+  return finish(std::move(basis));
 }
 
 // The same, but `left` is 1 where the rank is another one with all rows scaled to unit length: a column that differs
 // from others in a light coordinate alone seems to depend on them.
-QuadMatrix visible_range(const QuadMatrix& X, Quad& left) {
+QuadMatrix visible_range(const QuadMatrix& X, Quad& left, Quad& tilt) {
   QuadMatrix scaled = X;
   for (std::size_t i = 0; i < X.rows; ++i) {
     Quad square = 0;
@@ -85,7 +125,7 @@ QuadMatrix visible_range(const QuadMatrix& X, Quad& left) {
   }
   const std::size_t rank = orthonormal_range(std::move(scaled), left).cols;
   const bool is_visible = left <= kLeft;
-  QuadMatrix range = orthonormal_range(X, left);
+  QuadMatrix range = orthonormal_range(X, left, &tilt);
   if (!is_visible || range.cols != rank) left = 1;
   return range;
 }
@@ -134,6 +174,29 @@ QuadMatrix projected(const QuadMatrix& G, const QuadMatrix& B) {
     for (std::size_t i = 0; i <= j; ++i) projection(i, j) = projection(j, i) = moved[i];
   }
   return projection;
+}
+
+QuadMatrix magnitudes(QuadMatrix A) {
+  for (Quad& entry : A.entries) entry = abs(entry);
+  return A;
+}
+
+/// The largest entry of |B|'|G||B|: in its terms the entries of B'G B are rounded.
+Quad largest_of_magnitudes(const QuadMatrix& G, const QuadMatrix& B) {
+  const QuadVector entries = projected(magnitudes(G), magnitudes(B)).entries;
+  return entries.empty() ? Quad{0} : *std::max_element(entries.begin(), entries.end());
+}
+
+/// The longest row of |B|'|W|: in its terms the entries of B'W are rounded.
+Quad longest_of_magnitudes(const QuadMatrix& W, const QuadMatrix& B) {
+  Quad longest = 0;
+  for (std::size_t j = 0; j < B.cols; ++j) {
+    QuadVector column(B.rows);
+    for (std::size_t i = 0; i < B.rows; ++i) column[i] = abs(B(i, j));
+    const QuadVector row = multiply_transposed(magnitudes(W), column.data());
+    longest = std::max(longest, length_of(row.data(), row.size()));
+  }
+  return longest;
 }
 
 /// Whether all eigenvalues of B'G B stand out of its rounding, which is that of its largest entries.
@@ -207,11 +270,12 @@ void QuadInertia::add_factors(const FactoredInertia& factors) {
 /// For G = W W': B'G B is factored without forming it.
 void QuadInertia::find_range(Block& block, const QuadMatrix& W) {
   Quad left = 0;
-  block.range = visible_range(W, left);
+  block.range = visible_range(W, left, block.tilt);
   QuadMatrix inside = W;
   if (block.range->cols == block.size()) {
     block.range.reset();
   } else {
+    block.spread = longest_of_magnitudes(W, *block.range);
     inside = QuadMatrix(block.range->cols, W.cols);
     for (std::size_t j = 0; j < W.cols; ++j) {
       for (std::size_t i = 0; i < inside.rows; ++i) inside(i, j) = dot(*block.range, i, W, j);
@@ -223,8 +287,9 @@ void QuadInertia::find_range(Block& block, const QuadMatrix& W) {
 /// For a given G.
 void QuadInertia::find_range(Block& block) {
   Quad left = 0;
-  block.range = visible_range(block.matrix, left);
+  block.range = visible_range(block.matrix, left, block.tilt);
   const QuadMatrix projection = projected(block.matrix, *block.range);
+  block.formed = largest_of_magnitudes(block.matrix, *block.range);
   if (!block.factor.factor(projection)) {
     cut(block);
   } else if (left > kLeft || projection.rows == block.size() || !has_gap(projection)) {
@@ -291,6 +356,84 @@ void QuadInertia::Block::solve(Quad* x) const {
   } else {
     factor.solve(x);
   }
+}
+
+QuadVector QuadInertia::Block::solve_error(const Quad* x) const {
+  if (is_inverse || !range) return QuadVector(size(), 0);
+  return columns ? error_by_columns(x) : error_by_range(x);
+}
+
+/// Of y = X K^-1 W^-1 K^-1 X'x with K = X'X, step by step: each product is rounded, and K is off by the rounding of its
+/// formation and factorization.
+QuadVector QuadInertia::Block::error_by_columns(const Quad* x) const {
+  const QuadMatrix& X = *columns;
+  const Quad unit = rounding_of(X.rows + X.cols);
+  QuadMatrix inverse(X.cols, X.cols);  // of K, by rows
+  for (std::size_t k = 0; k < X.cols; ++k) {
+    inverse(k, k) = 1;
+    factor.solve(&inverse(k, 0));
+  }
+  QuadVector c = multiply_transposed(X, x), error(c.size(), 0);
+  factor.solve(c.data());
+  const Quad first = unit * (length_of(x, X.rows) + sum_of_magnitudes(c));
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    for (std::size_t j = 0; j < c.size(); ++j) error[k] += abs(inverse(k, j)) * first;
+    error[k] = (error[k] + unit * abs(c[k])) / weights[k];
+    c[k] /= weights[k];
+  }
+  factor.solve(c.data());
+  for (Quad& value : error) value += unit * sum_of_magnitudes(c);
+  QuadVector bound(X.rows, 0);
+  for (std::size_t i = 0; i < X.rows; ++i) {
+    for (std::size_t k = 0; k < X.cols; ++k) {
+      Quad reach = 0;  // of X K^-1
+      for (std::size_t j = 0; j < X.cols; ++j) reach += X(i, j) * inverse(j, k);
+      bound[i] += abs(reach) * error[k] + unit * abs(X(i, k)) * abs(c[k]);
+    }
+  }
+  return bound;
+}
+
+/// Of y = B S^-1 B'x with S = C C' = R R': B may be turned by `tilt`, C and each product are rounded. h = R'S^-1 B'x.
+QuadVector QuadInertia::Block::error_by_range(const Quad* x) const {
+  const QuadMatrix& B = *range;
+  const std::size_t rank = B.cols;
+  const Quad unit = rounding_of(B.rows + rank);
+  const QuadMatrix root = factor.root(), inverse = factor.inverse_root();
+  QuadVector t = multiply_transposed(B, x);
+  factor.solve(t.data());
+  const QuadVector h = multiply_transposed(root, t.data());
+  Quad seen = (unit + tilt) * length_of(x, B.rows);  // of B'x, and of S t
+  seen += unit * (formed * sum_of_magnitudes(t) + spread * length_of(h.data(), rank));
+  QuadVector error(rank, unit * spread * sum_of_magnitudes(t)), bound(B.rows, 0);
+  for (std::size_t j = 0; j < rank; ++j) {
+    Quad off = seen;
+    for (std::size_t k = 0; k <= j; ++k) off += unit * abs(root(j, k) * h[k]);
+    for (std::size_t k = j; k < rank; ++k) error[k] += abs(inverse(k, j)) * off;
+    for (std::size_t k = 0; k <= j; ++k) error[k] += unit * abs(root(j, k) * t[j]);
+  }
+  for (std::size_t i = 0; i < B.rows; ++i) {
+    bound[i] = (unit + tilt) * sum_of_magnitudes(t);
+    for (std::size_t k = 0; k < rank; ++k) {
+      Quad reach = 0;  // of B R'^-1
+      for (std::size_t j = 0; j <= k; ++j) reach += B(i, j) * inverse(k, j);
+      bound[i] += abs(reach) * error[k];
+    }
+  }
+  return bound;
+}
+
+bool QuadInertia::has_reduced_rank() const {
+  return std::any_of(blocks_.begin(), blocks_.end(), [](const Block& block) { return block.range.has_value(); });
+}
+
+QuadVector QuadInertia::solve_error(const QuadVector& x) const {
+  QuadVector bound;
+  for (const Block& block : blocks_) {
+    const QuadVector part = block.solve_error(x.data() + block.offset);
+    bound.insert(bound.end(), part.begin(), part.end());
+  }
+  return bound;
 }
 
 bool QuadInertia::proven_positive_definite() const {

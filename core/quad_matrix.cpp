@@ -96,6 +96,29 @@ void QuadCholesky::solve(Quad* x) const {
   }
 }
 
+QuadMatrix QuadCholesky::root() const {
+  QuadMatrix root(size(), size());
+  for (std::size_t j = 0; j < size(); ++j) {
+    const Quad length = sqrt(pivots_[j]);
+    for (std::size_t i = j; i < size(); ++i) root(i, j) = (i == j ? Quad{1} : L_(i, j)) * length;
+  }
+  return root;
+}
+
+QuadMatrix QuadCholesky::inverse_root() const {
+  const QuadMatrix lower = root();
+  QuadMatrix inverse(size(), size());
+  for (std::size_t j = 0; j < size(); ++j) {
+    inverse(j, j) = 1 / lower(j, j);
+    for (std::size_t i = j + 1; i < size(); ++i) {
+      Quad sum = 0;
+      for (std::size_t k = j; k < i; ++k) sum -= lower(i, k) * inverse(k, j);
+      inverse(i, j) = sum / lower(i, i);
+    }
+  }
+  return inverse;
+}
+
 bool proven_positive_definite(const QuadMatrix& A, std::size_t formation_terms, double least) {
   const std::size_t n = A.rows;
   for (std::size_t i = 0; i < n; ++i) {

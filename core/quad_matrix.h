@@ -52,6 +52,10 @@ class QuadCholesky {
 
   std::size_t size() const { return pivots_.size(); }
 
+  /// L D^(1/2), and its inverse: A = root root'. O(n^3)
+  QuadMatrix root() const;
+  QuadMatrix inverse_root() const;
+
  private:
   QuadMatrix L_;
   QuadVector pivots_;

@@ -15,6 +15,7 @@ Exit codes: 0 every certificate was accepted; 1 one was rejected; 2 a file canno
 import argparse
 import collections
 import json
+import math
 import multiprocessing
 import pathlib
 import re

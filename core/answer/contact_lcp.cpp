@@ -127,67 +127,38 @@ Quad ContactLcp::project(std::size_t i, const QuadVector& x) const {
   return is_twin(i) ? -sum : sum;
 }
 
-/// The sum of the magnitudes of the terms of offset(i).
-Quad ContactLcp::offset_size(std::size_t i) const {
-  if (!soft_ || i < contacts_) return abs(offset(i));
-  const auto [contact, direction] = friction_of_row(i);
-  const auto of = soft_->offset(contact);
-  return abs(soft_->along(contact, direction, {of[0], 0})) + abs(soft_->along(contact, direction, {0, of[1]}));
-}
-
-/// How many terms q_i has in the rigid equivalent beside those of J_i'v.
-std::size_t ContactLcp::offset_terms(std::size_t i) const {
-  if (i >= contacts_) {
-    if (!soft_) return 0;
-    const auto [contact, direction] = friction_of_row(i);
-    return static_cast<std::size_t>(soft_->terms(contact, direction));
-  }
-  const bool yields = soft_ && soft_->normal(static_cast<Index>(i)) != 0;
-  return (offset(i) == 0 ? 0U : 1U) + (yields ? 1U : 0U);
-}
-
 template <class Number>
-std::pair<Number, Number> ContactLcp::formed(std::size_t i) const {
-  using std::abs, lcpbench::abs;
-  const Entries of = entries(i);
-  Number value = 0, size = 0;
-  for (std::size_t e = 0; e < of.count; ++e) {
-    const Number term = Number{of.values[e]} * problem_.v(static_cast<Index>(of.rows[e]));
-    value += term;
-    size += abs(term);
+ContactScale<Number> ContactLcp::scale_in(std::span<const std::size_t> rows, std::size_t& fastest) const {
+  ContactScale<Number> scale;
+  for (const std::size_t row : rows) {
+    if (row >= impulses()) break;  // cone rows have no velocity
+    if (is_twin(row)) continue;    // of the same magnitudes
+    const Entries of = entries(row);
+    Number velocity = 0, terms = 0;
+    for (std::size_t e = 0; e < of.count; ++e) {
+      const Number term = Number{of.values[e]} * problem_.v(static_cast<Index>(of.rows[e]));
+      velocity += term;
+      terms += term < 0 ? -term : term;
+    }
+    scale.add_row(velocity, terms, static_cast<double>(of.count));
+    if (row >= contacts_) continue;
+    const Number q = velocity + static_cast<Number>(offset(row));
+    if (-q > scale.without) fastest = row;
+    scale.add_approach(q);
   }
-  if (offset(i) != 0) {
-    value += static_cast<Number>(offset(i));
-    size += static_cast<Number>(offset_size(i));
-  }
-  const auto terms = static_cast<double>(of.count + offset_terms(i));
-  return {abs(value), (terms + 1) * (0x1p-53 * size + 0x1p-1074)};
+  return scale;
 }
 
-/// The largest q_i is looked for in double, and all are formed in 113 bits where rounding may matter.
-Quad ContactLcp::scale(std::span<const std::size_t> rows, double bound) const {
-  double in_double = 0, error = 0;
-  std::size_t largest = 0;
-  Quad of_q = 0, floor = 0;
-  const auto for_each = [&](const auto& visit) {
-    for (const std::size_t row : rows) {
-      if (row >= impulses()) break;   // q_i is zero
-      if (!is_twin(row)) visit(row);  // else of the same magnitudes
-    }
-  };
-  for_each([&](std::size_t row) {
-    const auto [magnitude, rounding] = formed<double>(row);
-    if (magnitude > in_double) largest = row;
-    in_double = std::max(magnitude, in_double);
-    error = std::max(rounding, error);
-  });
-  if (error < 0x1p-40 * in_double) return abs(q(largest));
-  for_each([&](std::size_t row) {
-    const auto [magnitude, rounding] = formed<Quad>(row);
-    of_q = larger(of_q, magnitude);
-    floor = larger(floor, rounding);
-  });
-  return larger(of_q, floor / bound);
+/// In double, and again in 113 bits where a floor or rounding may decide.
+Quad ContactLcp::scale(std::span<const std::size_t> rows, std::optional<Quad> without) const {
+  std::size_t fastest = 0;
+  const auto rough = scale_in<double>(rows, fastest);
+  const double largest = without ? to_double(*without) : rough.without;
+  const bool is_clear = largest > 2 * rough.floor() && rough.rounding < 0x1p-40 * largest && std::isfinite(largest);
+  if (is_clear) return without ? *without : -q(fastest);
+  auto scale = scale_in<Quad>(rows, fastest);
+  if (without) scale.without = *without;
+  return scale.value();
 }
 
 bool ContactLcp::at_rest(const QuadVector& z) const {
@@ -230,6 +201,30 @@ QuadVector ContactLcp::response(const QuadVector& z) const {
   inertia_.solve(u);
   for (std::size_t i = 0; i < u.size(); ++i) u[i] += v_[i];
   return u;
+}
+
+QuadVector ContactLcp::response_error(const QuadVector& z) const {
+  return at_rest(z) ? QuadVector() : inertia_.solve_error(generalized_impulse(z));
+}
+
+Quad ContactLcp::project_magnitudes(std::size_t i, const QuadVector& x) const {
+  const Entries of = entries(i);
+  Quad sum = 0;
+  for (std::size_t e = 0; e < of.count; ++e) sum += abs(of.values[e] * x[of.rows[e]]);
+  return sum;
+}
+
+/// How far diagonal() may be off.
+Quad ContactLcp::diagonal_error(std::size_t i) const {
+  const Entries of = entries(i);
+  QuadVector column(v_.size(), 0);
+  for (std::size_t e = 0; e < of.count; ++e) column[of.rows[e]] = of.values[e];
+  return project_magnitudes(i, inertia_.solve_error(column));
+}
+
+Quad ContactLcp::residual_error(std::size_t i, const QuadVector& z, Quad w, const QuadVector& off) const {
+  if (i >= impulses()) return w == 0 ? w : abs(w) * diagonal_error(normal_of_cone(i));
+  return project_magnitudes(i, off) + (z[i] == 0 ? z[i] : abs(z[i]) * diagonal_error(i));
 }
 
 Quad ContactLcp::cone_row(std::size_t i, const QuadVector& z) const {

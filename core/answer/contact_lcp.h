@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/answer/contact_scale.h"
 #include "core/answer/refined_inertia.h"
 #include "core/compliance.h"
 
@@ -29,6 +30,10 @@ class ContactLcp {
 
   /// u = v + G* J f for the impulses f in z. One solve with G; v itself where no impulse acts.
   QuadVector response(const QuadVector& z) const;
+  /// How far response() may be off where the inertia has reduced rank: see RefinedInertia::solve_error(). Else empty.
+  QuadVector response_error(const QuadVector& z) const;
+  /// How far that makes the residual of row i be off, M_ii included. @param off  response_error(z)
+  Quad residual_error(std::size_t i, const QuadVector& z, Quad w, const QuadVector& off) const;
   /// w = M z + q. @param u  response(z)
   QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
   /// w_i of a normal or friction row without lambda: the velocity along it, with offset and compliance.
@@ -59,9 +64,9 @@ class ContactLcp {
   QuadVector generalized_impulse(const QuadVector& z) const;
   /// |J| |f|, entry by entry: the scale of rounding in J f.
   QuadVector generalized_impulse_scale(const QuadVector& z) const;
-  /// max(max |q_i|, floor / bound) over the rows of an island. floor is the largest error of forming a q_i in double,
-  /// (k_i + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074) with k_i nonzero entries in J_i and b_i.
-  Quad scale(std::span<const std::size_t> rows, double bound) const;
+  /// What the residuals of an island are relative to, from its rows. @param without  the residual of no impulses, where
+  /// it is not that of pyramid and cone
+  Quad scale(std::span<const std::size_t> rows, std::optional<Quad> without = std::nullopt) const;
   /// J_i' x.
   Quad project(std::size_t i, const QuadVector& x) const;
 
@@ -81,12 +86,9 @@ class ContactLcp {
   /// What the compliance of its contact adds to row i. @pre soft_
   Quad yielding(std::size_t i, const QuadVector& z) const;
   void soften();
-  /// |q_i| in the arithmetic of Number, and (k + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074), k the terms that are not
-  /// zero in the data: the most that forming q_i in double can be off.
+  /// @param fastest  the normal row of the largest -q_i
   template <class Number>
-  std::pair<Number, Number> formed(std::size_t i) const;
-  Quad offset_size(std::size_t i) const;
-  std::size_t offset_terms(std::size_t i) const;
+  ContactScale<Number> scale_in(std::span<const std::size_t> rows, std::size_t& fastest) const;
   std::pair<Index, Index> friction_of_row(std::size_t i) const;
   void add_columns();
   void add_column(const Jacobian& J, Index column);
@@ -94,6 +96,9 @@ class ContactLcp {
   /// sum of e values[e] x[rows[e]] over the entries of column i: J_i'x but for the sign of a twin.
   Quad sum_of(std::size_t i, const QuadVector& x) const;
   Quad cone_row(std::size_t i, const QuadVector& z) const;
+  /// |J_i|'x.
+  Quad project_magnitudes(std::size_t i, const QuadVector& x) const;
+  Quad diagonal_error(std::size_t i) const;
   /// The index of the lambda of a friction row.
   std::size_t lambda_of(std::size_t i) const {
     return impulses() + static_cast<std::size_t>(layout_.lambda[static_cast<std::size_t>(contact_of_[i - contacts_])]);

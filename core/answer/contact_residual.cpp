@@ -8,23 +8,36 @@ namespace lcpbench {
 
 ContactResidual::ContactResidual(const ContactProblem& contact)
     : problem(contact), inertia(contact.inertia), islands_(row_islands(contact)), rows_(islands_) {
-  if (!inertia.well_defined()) return;
+  if (!inertia.well_defined() && !inertia.unresolved()) return;
   lcp.emplace(contact, inertia);
   if (contact.frictional() && why_no_cone(contact).empty()) cone.emplace(contact, *lcp);
 }
 
 ContactResidual::Point ContactResidual::at(const Vector& z) const {
-  Point point{numbers(z), {}, {}};
+  Point point;
+  point.z = numbers(z);
   point.u = lcp->response(point.z);
   point.w = lcp->all_rows(point.z, point.u);
+  point.off = lcp->response_error(point.z);
   return point;
 }
 
-const QuadVector& ContactResidual::scales() {
-  for (std::size_t k = scales_.size(); k < rows_.count(); ++k) {
-    scales_.push_back(lcp->scale(rows_.rows(k), kSolvedVelocityResidual));
+const QuadVector& ContactResidual::scales(FrictionModel model) {
+  const bool convex = model == FrictionModel::kConvex;
+  QuadVector& scales = convex ? convex_scales_ : scales_;
+  if (scales.size() == rows_.count()) return scales;
+  QuadVector without(convex ? rows_.count() : 0, 0);
+  if (convex) {
+    const Point point = at(Vector::Zero(static_cast<Index>(lcp->size())));
+    for_each_row(model, point, [&](Index row, Quad residual) {
+      Quad& largest = without[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
+      largest = larger(largest, residual);
+    });
   }
-  return scales_;
+  for (std::size_t k = 0; k < rows_.count(); ++k) {
+    scales.push_back(convex ? lcp->scale(rows_.rows(k), without[k]) : lcp->scale(rows_.rows(k)));
+  }
+  return scales;
 }
 
 /// |min(M_ii z_i, w_i)|, of a cone row |min(lambda, M_nn w_i)|.
@@ -46,11 +59,11 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
     largest[island] = residual;
     row_of[island] = row;
   });
-  Worst worst;
+  Worst worst{.is_resolved = is_resolved(model, point)};
   for (std::size_t island = 0; island < largest.size(); ++island) {
     if (largest[island] == 0) continue;
     worst.residual = larger(worst.residual, largest[island]);
-    const Quad scale = scales()[island], relative = quotient(largest[island], scale);
+    const Quad scale = scales(model)[island], relative = quotient(largest[island], scale);
     if (!(relative > worst.relative)) continue;
     worst.relative = relative;
     worst.row = row_of[island];
@@ -60,10 +73,21 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
   return worst;
 }
 
+bool ContactResidual::is_resolved(FrictionModel model, const Point& point) {
+  for (std::size_t island = 0; !point.off.empty() && island < rows_.count(); ++island) {
+    const Quad most = Quad{kResolvedError} * scales(model)[island];
+    for (const std::size_t row : rows_.rows(island)) {
+      if (!(lcp->residual_error(row, point.z, point.w[row], point.off) <= most)) return false;
+    }
+  }
+  return true;
+}
+
 double ContactResidual::rho(const Point& point) {
-  const bool is_known = point.is_finite();
-  const double rho = is_known ? to_double(worst(FrictionModel::kPyramid, point).relative) : 0;
-  return is_known && inertia.well_defined() ? rho : std::numeric_limits<double>::infinity();
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  if (!point.is_finite()) return kUnknown;
+  const Worst worst = this->worst(FrictionModel::kPyramid, point);
+  return worst.is_resolved ? to_double(worst.relative) : kUnknown;
 }
 
 }  // namespace lcpbench

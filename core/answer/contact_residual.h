@@ -20,6 +20,7 @@ class ContactResidual {
   /// z, the velocity u = v + G* J f that its impulses lead to, and w = M z + q.
   struct Point {
     QuadVector z, u, w;
+    QuadVector off;  ///< how far u may be off where the inertia has reduced rank; else empty
     bool is_finite() const { return all_finite(w) && all_finite(u); }
   };
 
@@ -30,12 +31,13 @@ class ContactResidual {
     Index row = -1;     ///< -1: no row is violated
     Quad of_row = 0;    ///< its residual
     Quad scale = 0;     ///< that of its island
+    bool is_resolved = true;  ///< no residual may be off by more than kResolvedError of its scale
   };
 
   /// @param contact  finite, must outlive this object
   explicit ContactResidual(const ContactProblem& contact);
 
-  /// @pre lcp @param z  finite, of the right length
+  /// Not finite where the inertia is unresolved, unless z has no impulses. @pre lcp @param z  finite, of the right length
   Point at(const Vector& z) const;
 
   /// The residual of each row that the model has: of the pyramid all, else the normal rows, and in place of each cone
@@ -45,11 +47,11 @@ class ContactResidual {
   void for_each_row(FrictionModel model, const Point& point, Visit&& visit);
   Worst worst(FrictionModel model, const Point& point);
 
-  /// rho by the pyramid; infinity where 113 bits do not tell what G* is.
+  /// rho by the pyramid; infinity where 113 bits do not tell what G* is, or not well enough.
   double rho(const Point& point);
 
-  /// scale_I of each island: max(max|q_i|, floor / 1e-4) over its rows. Computed at the first call.
-  const QuadVector& scales();
+  /// scale_I of each island by the model's conditions: see ContactScale. Computed at the first call for a model.
+  const QuadVector& scales(FrictionModel model);
 
   const ContactProblem& problem;
   RefinedInertia inertia;
@@ -58,10 +60,11 @@ class ContactResidual {
 
  private:
   Quad pyramid_row(std::size_t row, const Point& point);
+  bool is_resolved(FrictionModel model, const Point& point);
 
   RowIslands islands_;
   IslandRows rows_;
-  QuadVector scales_;
+  QuadVector scales_, convex_scales_;  // of pyramid and cone; of the convex model
 };
 
 template <class Visit>

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <algorithm>
-
 namespace lcpbench {
 
 /// What the residuals of an island of contacts are relative to: an error of 1 is as bad as no impulses at all. In
-/// double or in 113 bits. All sizes are velocities [m/s].
+/// double or in 113 bits. All sizes are velocities [m/s]. Inlined everywhere: the kernels for each instruction set use
+/// it, and no instance of one may be linked into another.
 template <class Real>
 struct ContactScale {
   static constexpr double kSpeedShare = 1e-6;     ///< of `speed`, at least
@@ -17,15 +16,30 @@ struct ContactScale {
   Real rounding = 0;  ///< the largest error of forming a J_i'v in double
 
   /// A row J_i'v of `entries` terms whose magnitudes sum to `terms`.
-  void add_row(Real velocity, Real terms, double entries) {
-    speed = std::max(speed, velocity < 0 ? -velocity : velocity);
-    rounding = std::max(rounding, Real{entries + 1} * (Real{0x1p-53} * terms + Real{0x1p-1074}));
+  [[gnu::always_inline]] void add_row(Real velocity, Real terms, double entries) {
+    raise(speed, velocity < 0 ? -velocity : velocity);
+    raise(rounding, static_cast<Real>(entries + 1) * (static_cast<Real>(0x1p-53) * terms + static_cast<Real>(0x1p-1074)));
   }
   /// q_i of a normal row, with its offset.
-  void add_approach(Real q) { without = std::max(without, -q); }
+  [[gnu::always_inline]] void add_approach(Real q) { raise(without, -q); }
 
-  Real value() const {
-    return std::max({without, Real{kSpeedShare} * speed, Real{kLeast}, rounding / Real{kRoundingShare}});
+  /// What counts at least, whatever no impulses leave.
+  [[gnu::always_inline]] Real floor() const {
+    Real floor = static_cast<Real>(kLeast);
+    raise(floor, static_cast<Real>(kSpeedShare) * speed);
+    raise(floor, rounding / static_cast<Real>(kRoundingShare));
+    return floor;
+  }
+  [[gnu::always_inline]] Real value() const {
+    Real value = floor();
+    raise(value, without);
+    return value;
+  }
+
+ private:
+  /// To infinity by a NaN: data beyond the range of the type tell nothing.
+  [[gnu::always_inline]] static void raise(Real& largest, Real x) {
+    if (!(x <= largest)) largest = x > largest ? x : static_cast<Real>(__builtin_inf());
   }
 };
 

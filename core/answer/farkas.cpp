@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/answer/exact_sum.h"
+#include "core/answer/lcp_error.h"
 #include "core/entries.h"
 
 namespace lcpbench {
@@ -90,6 +91,17 @@ bool proves_unsolvable(const Lcp& lcp, const Vector& u) {
     if (sign(lcp.M.col(j)) > 0) return false;
   }
   return true;
+}
+
+double proof_margin(const Lcp& lcp, const Vector& u) {
+  const std::vector<Quad> floors = lcp_floors(lcp, row_islands(lcp.M), lcp_norms<Quad>(lcp));
+  ExactSum missing;
+  Quad size = 0;
+  for (Index i = 0; i < u.size(); ++i) {
+    missing.add(-lcp.q(i), u(i));
+    size += Quad{u(i)} * std::max(Quad{std::abs(lcp.q(i))}, floors[static_cast<std::size_t>(i)]);
+  }
+  return to_double(missing.value() / size);
 }
 
 double least_violation(const ContactProblem& problem, const Vector& u) {

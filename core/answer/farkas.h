@@ -24,6 +24,10 @@ inline bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
 /// False for a mixed LCP. O(n^2) exact products.
 bool proves_unsolvable(const Lcp& lcp, const Vector& u);
 
+/// |q'u| / sum_i u_i max(|q_i|, F_i) of a proof u for a bare LCP, F_i its floors (lcp_floors()): by so much of its own
+/// size the problem misses a solution. Rounded to a double. O(n^2) @pre proves_unsolvable(lcp, u)
+double proof_margin(const Lcp& lcp, const Vector& u);
+
 /// A lower bound [m/s] of the largest violation: after any impulses some contact has w_N <= -bound. It is
 /// -u'(N'v + b) / sum(u), because u'w_N = u'(N'v + b) < 0 after any impulses, rounded down to a double.
 /// @pre proves_unsolvable(problem, u)

@@ -56,6 +56,10 @@ class RefinedInertia {
   QuadVector outside_range(const QuadVector& x) const {
     return precise_ ? precise_->outside_range(x) : QuadVector(x.size(), 0);
   }
+  /// How far solve() may be off, entry by entry: see QuadInertia. Empty: by no more than 113 bits round.
+  QuadVector solve_error(const QuadVector& x) const {
+    return precise_ && precise_->has_reduced_rank() ? precise_->solve_error(x) : QuadVector();
+  }
   /// Whether double has the range for products with the inertia.
   bool is_moderate() const { return !precise_; }
 

@@ -68,12 +68,13 @@ class DualMethod final : public Engine {
     combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,
                  whitening_.contact_lanes());
     for (Count j = 0; b_ != nullptr && j < whitening_.nc(); ++j) given_[j] += static_cast<Scalar>(b_[j]);
-    auto speed = L::broadcast(0);
+    auto approach = L::broadcast(static_cast<Scalar>(ContactScale<Scalar>::kLeast)), speed = approach;
     for (Count j = 0; j < whitening_.contact_lanes(); j += L::kWidth) {
       const auto given = L::load(given_.data() + j);
+      approach = L::max(-given, approach);
       speed = L::max(L::max(given, -given), speed);
     }
-    speed_ = L::max(speed);
+    scale_ = finite(L::max(speed)) ? L::max(approach) : kInfinity<Scalar>;
     if (whitening_.triangular()) whitening_.whiten_velocity(v_.data(), y0_.data());
   }
 
@@ -425,9 +426,8 @@ class DualMethod final : public Engine {
 
   typename VelocityTest<Scalar>::Answer answer(const Scalar* velocity, const Scalar* whitened_change) {
     return {.v = v_.data(),
-            .b = b_,
             .given = given_.data(),
-            .speed = speed_,
+            .scale = scale_,
             .impulse = impulse_.data(),
             .slack = slack_.data(),
             .velocity = velocity,
@@ -462,7 +462,7 @@ class DualMethod final : public Engine {
 
   Buffer<Scalar> v_;      // ngc
   Buffer<Scalar> given_;  // N'v + b
-  Scalar speed_ = 0;      // the largest magnitude in it
+  Scalar scale_ = 0;      // the largest approach in it; infinite where an entry is
   Buffer<Scalar> y0_;     // C v
   Buffer<Scalar> slack_;
   Buffer<Scalar> merit_;  // see measure_merits()

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/answer/contact_scale.h"
 #include "native/active_set/twofold_sum.h"
 #include "native/active_set/whitening.h"
 
@@ -21,12 +22,11 @@ class VelocityTest {
   using L = Lanes<Scalar>;
 
  public:
-  /// The first and the last two by coordinate, the others by contact.
+  /// The first and the last two by coordinate, the others by contact; one scale.
   struct Answer {
     const Scalar* v;
-    const double* b;      ///< offset as given; nullptr: zero
     const Scalar* given;  ///< N'v + b
-    Scalar speed;         ///< max|given|
+    Scalar scale;         ///< at most that of any island: max(-given), or the least that any has
     const Scalar* impulse;
     Scalar* slack;                            ///< memory for w
     const Scalar* velocity = nullptr;         ///< about v + G* N z
@@ -84,13 +84,12 @@ class VelocityTest {
         return kInfinity<double>;
       }
     }
-    raise_scales(answer);
+    add_floors(answer);
     double largest = 0;
     for (Count k = 0; k < islands_; ++k) {
       const Scalar worst = measures_[k].worst;
-      const Scalar scale = measures_[k].scale;
       if (!(worst > 0)) continue;
-      const double relative = scale > 0 ? static_cast<double>(worst / scale) : kInfinity<double>;
+      const double relative = static_cast<double>(worst / measures_[k].scale.value());
       largest = relative > largest ? relative : largest;
     }
     return largest;
@@ -124,7 +123,6 @@ class VelocityTest {
   static constexpr double kRoundings = 8;           ///< of a sum of products, beside one for each of them
   static constexpr double kTrusted = 0.1;           ///< share of G's least eigenvalue that rounding may take
   static constexpr double kRoom = 1.25;             ///< for G instead of C'C within kTrusted, and for rounding it
-  static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
   static constexpr double kSafeSquare = 1e-280;     ///< no terms that matter beside it have underflowed
   static constexpr double kUnderflow = 1e-170;      ///< more than sums lose to it, over the root of any G_ii
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
@@ -139,7 +137,7 @@ class VelocityTest {
     Scalar squared_change = 0;    ///< sum of (u - v)_i^2 G_ii
     Scalar whitened_change = 0;   ///< sum of (C (u - v))_i^2, where products are held exactly
     Scalar squared_residual = 0;  ///< |C^-T r|^2
-    Scalar scale = 0;             ///< max|q|, or the floor that the rounding of q sets
+    ContactScale<Scalar> scale{};  ///< without speeds and rounding until add_floors()
   };
 
   Count lanes() const { return whitening_.velocity_lanes(); }
@@ -168,11 +166,11 @@ class VelocityTest {
     return {L::max(worst), L::sum(squares)};
   }
 
-  /// All contacts in one island, max|q| for its scale, and coarse bounds for all rounding.
+  /// All contacts in one island, and coarse bounds for all rounding.
   bool passes_as_a_whole(const Answer& answer, Scalar limit) {
     const OfAll all = measure_all(answer);
     const Scalar sum = all.squares;
-    const Scalar most = limit * answer.speed - all.worst;
+    const Scalar most = limit * answer.scale - all.worst;
     if (!finite(sum) || !finite(most) || !is_double(all.worst)) return false;
     if (pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
@@ -213,7 +211,7 @@ class VelocityTest {
       const auto change = root * (L::load(answer.velocity + i) - L::load(answer.v + i));
       changes += change * change;
     }
-    const Scalar most = limit * answer.speed;
+    const Scalar most = limit * answer.scale;
     const Scalar error = size() * whitening_.backward_error();
     return whitening_.largest_squared_norm() * whitening_.condition() * error * error * L::sum(changes) > most * most;
   }
@@ -248,7 +246,7 @@ class VelocityTest {
     is_off_known_ = true;
     const Scalar rounding = square_root(whitening_.largest_squared_norm()) * off_ +
                             roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
-    const Scalar most = limit * answer.speed;
+    const Scalar most = limit * answer.scale;
     return finite(most) && all.worst + rounding <= most;
   }
 
@@ -332,18 +330,19 @@ class VelocityTest {
       }
     }
     if (!measured) return false;
-    raise_scales(answer);
+    add_floors(answer);
     return islands_pass(limit);
   }
 
-  /// To the floors that the rounding of q sets.
-  void raise_scales(const Answer& answer) {
+  /// What speeds and their rounding add to the scales of the islands.
+  void add_floors(const Answer& answer) {
     for (Count j = 0; j < whitening_.nc(); ++j) {
       const Count k = island_of_contact(j);
       if (k < 0) continue;
-      const Scalar floor = static_cast<Scalar>(kFloor) * floor_terms(answer, j);
+      ContactScale<Scalar> with = measures_[k].scale;
+      add_row(answer, j, with);
       // A sum beyond the range of the type tells nothing: with an infinite scale any answer would pass.
-      if (finite(floor) && floor > measures_[k].scale) measures_[k].scale = floor;
+      if (finite(with.value())) measures_[k].scale = with;
     }
   }
 
@@ -392,7 +391,7 @@ class VelocityTest {
   bool islands_pass(Scalar limit) const {
     for (Count k = 0; k < islands_; ++k) {
       const Scalar rest = by_residual_ ? Scalar(0) : rounding(measures_[k]);
-      if (!(measures_[k].worst + rest <= limit * measures_[k].scale)) return false;
+      if (!(measures_[k].worst + rest <= limit * measures_[k].scale.value())) return false;
     }
     return true;
   }
@@ -409,9 +408,8 @@ class VelocityTest {
     if (!whitening_.triangular()) squared = whitening_.squared_length(j);
     island.largest = squared > island.largest ? squared : island.largest;
     island.terms += square_root(squared) * magnitude(answer.impulse[j]);
-    const Scalar given = magnitude(answer.given[j]);
-    island.scale = given > island.scale ? given : island.scale;
-    return finite(given);
+    island.scale.add_approach(answer.given[j]);
+    return finite(answer.given[j]);
   }
 
   bool add_worst(const Answer& answer, Count j, Measure& island) const {
@@ -424,9 +422,8 @@ class VelocityTest {
     return true;
   }
 
-  /// One more than the nonzero entries of the normal and the offset, times the sum of the magnitudes of what
-  /// N_j'v + b_j adds up.
-  Scalar floor_terms(const Answer& answer, Count j) const;
+  /// Adds N_j'v.
+  void add_row(const Answer& answer, Count j, ContactScale<Scalar>& scale) const;
 
   /// How far the velocity of any contact of the island may be off, by the backward error of C.
   Scalar rounding(const Measure& island) const;

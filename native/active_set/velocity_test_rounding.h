@@ -38,17 +38,17 @@ inline Scalar VelocityTest<Scalar>::of_velocity(const Answer& answer) const {
 }
 
 template <class Scalar>
-inline Scalar VelocityTest<Scalar>::floor_terms(const Answer& answer, Count j) const {
-  const Scalar offset = answer.b != nullptr ? static_cast<Scalar>(answer.b[j]) : Scalar(0);
-  Count entries = offset != 0 ? 2 : 1;
-  if (whitening_.is_soft() && whitening_.compliance(j) != 0) ++entries;  // the speed 0 of what gives way
-  Scalar terms = magnitude(offset);
+inline void VelocityTest<Scalar>::add_row(const Answer& answer, Count j, ContactScale<Scalar>& scale) const {
+  Scalar velocity = 0, terms = 0;
+  Count entries = 0;
   for (Count i = 0; i < whitening_.ngc(); ++i) {
     const double entry = whitening_.given_normal(j)[i];
+    const Scalar part = static_cast<Scalar>(entry) * answer.v[i];
     entries += entry != 0 ? 1 : 0;
-    terms += magnitude(static_cast<Scalar>(entry) * answer.v[i]);
+    velocity += part;
+    terms += magnitude(part);
   }
-  return static_cast<Scalar>(static_cast<double>(entries)) * terms;
+  scale.add_row(velocity, terms, static_cast<double>(entries));
 }
 
 template <class Scalar>

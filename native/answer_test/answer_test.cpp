@@ -4,6 +4,7 @@
 #include <cmath>
 #include <variant>
 
+#include "core/entries.h"
 #include "core/quad.h"
 #include "core/timed_solve.h"
 
@@ -112,26 +113,25 @@ bool AnswerTest::solves(const Vector& z) {
   return by_bodies_ ? solves_bodies() : solves_contacts();
 }
 
-/// Of contacts: sets the normal impulses of islands at rest to zero, where neither a velocity nor an offset acts, and
-/// friction impulses where no contact presses. Interior-point methods leave small impulses there. Contacts without
-/// entries that do not yield along their normal are in no island: their impulses become zero, too.
+/// Of contacts: sets the normal impulses to zero where no contact of the island approaches, which no impulses then
+/// solve exactly, and friction impulses where no contact presses. Interior-point methods leave small impulses there.
+/// Contacts without entries that do not yield along their normal are in no island: their impulses become zero, too.
 void AnswerTest::release() {
   const bool has_islands = by_bodies_ || contacts_.input.island_of_contact != nullptr;
   const IslandNumbers& islands = by_bodies_ ? bodies_test_.islands() : contacts_.islands;
-  if (has_islands) {
-    moves_.assign(static_cast<std::size_t>(islands.count), 0);
-    const auto note = [this](Index island, double value) {
-      if (island >= 0 && value != 0) moves_[static_cast<std::size_t>(island)] = 1;
-    };
-    for (Index i = 0; i < velocity_.size(); ++i) note(islands.of_coordinate[static_cast<std::size_t>(i)], velocity_(i));
-    for (Index c = 0; c < contact_->b.size(); ++c) {
-      note(islands.of_contact[static_cast<std::size_t>(c)], contact_->b(c));
-    }
+  const auto island_of = [&](Index c) { return has_islands ? islands.of_contact[static_cast<std::size_t>(c)] : 0; };
+  moves_.assign(static_cast<std::size_t>(has_islands ? islands.count : 1), 0);
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index island = island_of(c);
+    if (island < 0 || moves_[static_cast<std::size_t>(island)] != 0) continue;
+    double q = contact_->offset(c);
+    for_each_entry(contact_->N, c, [&](Index i, double entry) { q += entry * velocity_(i); });
+    if (!(q >= 0)) moves_[static_cast<std::size_t>(island)] = 1;
   }
   Index first = contact_->nc();  // friction impulse of the contact
   for (Index c = 0; c < contact_->nc(); ++c) {
-    const Index island = has_islands ? islands.of_contact[static_cast<std::size_t>(c)] : 0;
-    if (has_islands && (island < 0 || moves_[static_cast<std::size_t>(island)] == 0)) completed_(c) = 0;
+    const Index island = island_of(c);
+    if (island < 0 || moves_[static_cast<std::size_t>(island)] == 0) completed_(c) = 0;
     const Index edges = contact_->edges[static_cast<std::size_t>(c)];
     if (!(completed_(c) > 0)) completed_.segment(first, edges).setZero();
     first += edges;

@@ -14,7 +14,7 @@
 
 namespace lcpbench {
 
-/// Of the verdict's 1e-4, relative to max|q|: in 113 bits nothing is lost to rounding but that of the returned lambdas.
+/// Of the verdict's 1e-4: in 113 bits nothing is lost to rounding but that of the returned lambdas.
 inline constexpr double kClaimedQuadResidual = 0.999e-4;
 
 /// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
@@ -41,11 +41,11 @@ class AnswerTest {
   void allow(double residual) { allowed_ = residual; }
 
   /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so do friction of
-  /// contacts that do not press and impulses of islands at rest; lambda is the least that the friction impulses allow.
+  /// contacts that do not press and impulses of islands where none approaches; lambda is the least that the friction impulses allow.
   /// If that solves the problem it is the answer. If not, z stays and the claim becomes kNumericalFailure (`detail`
   /// "residual" or "unconfirmed"), kTimeLimit where the deadline came first, or kUnsolvable where `farkas`
   /// shows that there is no solution: of bare LCPs exactly, of contacts in 113 bits. Of contact problems the velocity
-  /// residual with its estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the
+  /// residual with its estimated rounding has to be within kClaimedResidual of the scale in double, or within what the
   /// verdict allows in 113 bits; of bare LCPs the backward error within kClaimedBackwardError. O(ngc n); in 113 bits,
   /// where double is in doubt, O(ngc^3). Only a proof for contacts allocates. A velocity is not tested.
   ///
@@ -101,7 +101,7 @@ class AnswerTest {
   double residual_ = 0;  // of completed_, of dense contacts
   double allowed_ = 0;
   Vector velocity_;          // v of contacts
-  std::vector<char> moves_;  // by island: a velocity or an offset acts there
+  std::vector<char> moves_;  // by island: a contact approaches there
   Vector completed_;         // n
 };
 

@@ -19,7 +19,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTrusted = 0.1;           ///< share of a block's least eigenvalue that rounding may take
-constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
 constexpr double kSmallestSafe = 1e-280;   ///< sums of products above this lose nothing that counts to underflow
 constexpr Index kLargeBlock = 8;           ///< from this order on the kernels for double are faster
 
@@ -56,28 +55,33 @@ void sum_column(const ContactProblem& contact, Index j, Sum& sum) {
   sum = own;
 }
 
-/// Products of a column J_j of [N D] with v+ and v, and of its magnitudes with the bounds, summed by sum_column().
+/// Products of a column J_j of [N D] with v+, and of its magnitudes with the bounds, summed by sum_column().
 template <class Scalar>
 struct SeenByColumn {
-  using Two = Eigen::Array<Scalar, 2, 1>;
-
-  const Scalar* coordinates;     ///< those of BodiesTest::Room: v+, v, bound and reach of each
-  Two velocities = Two::Zero();  ///< J_j'v+ and J_j'v
-  Two bounds = Two::Zero();      ///< |J_j|' times bound and reach
-  Scalar terms = 0;              ///< sum of the magnitudes of the terms of J_j'v
-  Index entries = 0;             ///< number of terms
+  const Scalar* coordinates;  ///< those of BodiesTest::Room: v+, bound and reach of each
+  Scalar velocity = 0;        ///< J_j'v+
+  Scalar bound = 0;           ///< |J_j|' times bound
+  Scalar reach = 0;           ///< and times reach
 
   /// Adds the terms of coordinate `i`, where J_j is `value`, not zero.
   void add(Index i, double value) {
-    const Eigen::Map<const Two> velocities_here(coordinates + 4 * i);
-    const Eigen::Map<const Two> bounds_here(coordinates + 4 * i + 2);
-    const Two parts = static_cast<Scalar>(value) * velocities_here;
-    velocities += parts;
-    bounds += static_cast<Scalar>(std::abs(value)) * bounds_here;
-    terms += magnitude(parts(1));
+    const Scalar* const here = coordinates + 3 * i;
+    const Scalar size = static_cast<Scalar>(std::abs(value));
+    velocity += static_cast<Scalar>(value) * here[0];
+    bound += size * here[1];
+    reach += size * here[2];
+  }
+};
+
+/// J_j'v, summed by sum_column().
+struct VelocityOfColumn {
+  const Vector& v;
+  double velocity = 0, terms = 0, entries = 0;
+
+  void add(Index i, double value) {
+    velocity += value * v(i);
+    terms += std::abs(value * v(i));
     ++entries;
-    // A term lost to underflow is not taken for zero; a scale as small as this is refused by relative().
-    if (parts(1) == 0 && velocities_here(1) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
   }
 };
 
@@ -101,16 +105,11 @@ template <class Scalar, class Room>
 auto row_of(const ContactProblem& contact, Index j, const Beside<Scalar>& beside, const Room& room) {
   SeenByColumn<Scalar> seen{.coordinates = room.coordinates.data()};
   sum_column(contact, j, seen);
-  const Scalar q = beside.offset + seen.velocities(1);
-  const Scalar terms = beside.terms + seen.terms;
-  const double entries = static_cast<double>(seen.entries + beside.entries + 1);
   typename Room::Row row{.column = j,
-                         .w = seen.velocities(0),
-                         .rounding = seen.bounds(0),
-                         .reach = seen.bounds(1),
+                         .w = seen.velocity,
+                         .rounding = seen.bound,
+                         .reach = seen.reach,
                          .compliance = beside.compliance};
-  const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
-  row.scale = own == 0 ? terms : own;
   row.w += beside.offset + beside.yields;
   row.rounding += static_cast<Scalar>(4 * room.roundoff) * (beside.terms + beside.terms_of_yields);
   if (beside.compliance > 0) row.reach = root_of(row.reach * row.reach + beside.compliance);
@@ -123,14 +122,11 @@ bool is_too_much(Scalar off, const Island& island) {
   return off > island.certain && off > static_cast<Scalar>(kClaimedResidual) * island.scale;
 }
 
-/// residual / scale; infinity, so that nothing is claimed, where the scale may have lost terms to underflow (double) or
-/// is no normal double (113 bits), and where either is not finite.
+/// residual / scale; infinity, so that nothing is claimed, where either is not finite.
 template <class Scalar>
 double relative(Scalar residual, Scalar scale) {
-  if (scale == 0) return residual == 0 ? 0 : kInfinity;
-  const double least = sizeof(Scalar) > sizeof(double) ? DBL_MIN : kSmallestSafe;
-  const bool is_scale = scale >= static_cast<Scalar>(least) && scale <= static_cast<Scalar>(DBL_MAX);
-  return is_scale && residual < static_cast<Scalar>(kInfinity) ? static_cast<double>(residual / scale) : kInfinity;
+  const bool are_finite = scale <= static_cast<Scalar>(DBL_MAX) && residual < static_cast<Scalar>(kInfinity);
+  return are_finite ? static_cast<double>(residual / scale) : kInfinity;
 }
 
 }  // namespace
@@ -151,7 +147,7 @@ void BodiesTest::Room<Scalar>::for_each_vector(const Sizes& sizes, Visit&& visit
   for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
     visit(*by_coordinate, sizes.ngc);
   }
-  visit(coordinates, 4 * sizes.ngc);
+  visit(coordinates, 3 * sizes.ngc);
   visit(factors, sizes.factors);
   visit(inverse, 4 * sizes.largest_block);
   if (sizeof(Scalar) == sizeof(double) && sizes.largest_block >= kLargeBlock) {
@@ -175,7 +171,7 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   } else {
     numbers_.find(contact);
   }
-  v_ = contact.v;
+  set_velocity(contact.v);
   sizes_ = {.ngc = contact.ngc(), .islands = numbers_.count};
   places_.clear();
   double cubes = 0;  // of the blocks' orders
@@ -197,6 +193,26 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   double_.reserve(sizes_);
   quad_.roundoff = kQuadUnitRoundoff;
   quad_.reserve(sizes_);
+}
+
+/// In double, whose rounding is far below the share of it that counts.
+void BodiesTest::measure_scales() {
+  scales_.assign(static_cast<std::size_t>(numbers_.count), {});
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index island = numbers_.of_contact[static_cast<std::size_t>(c)];
+    if (island < 0) continue;
+    ContactScale<double>& scale = scales_[static_cast<std::size_t>(island)];
+    const auto add_row = [&](Index column) {
+      VelocityOfColumn sum{v_};
+      sum_column(*contact_, column, sum);
+      scale.add_row(sum.velocity, sum.terms, sum.entries);
+      return sum.velocity;
+    };
+    scale.add_approach(add_row(c) + contact_->offset(c));
+    const Index first = layout_.friction_begin[static_cast<std::size_t>(c)];
+    const Index half = (layout_.friction_begin[static_cast<std::size_t>(c) + 1] - first) / 2;
+    for (Index t = 0; t < half; ++t) add_row(layout_.friction_offset() + first + t);
+  }
 }
 
 /// As respond_block(), but L has the inverse of each diagonal entry in its place. @returns false, with L, reach and x
@@ -270,7 +286,9 @@ template <class Scalar>
 void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
   std::fill(room.impulse.begin(), room.impulse.end(), Scalar(0));
   std::fill(room.terms.begin(), room.terms.end(), Scalar(0));
-  for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, 0, false, true};
+  for (std::size_t k = 0; k < room.islands.size(); ++k) {
+    room.islands[k] = {0, 0, static_cast<Scalar>(scales_[k].value()), 0, 0, 0, 0, false, true};
+  }
   for (Index j = 0; j < layout_.lambda_offset(); ++j) {
     if (z(j) == 0) continue;
     AddedImpulse<Scalar> added{
@@ -345,8 +363,8 @@ void BodiesTest::show_velocity(Room<Scalar>& room) const {
     const Scalar v = static_cast<Scalar>(v_(static_cast<Index>(i)));
     room.bound[i] += dots * (magnitude(room.u[i]) + magnitude(v));
     room.u[i] += v;
-    const Scalar coordinates[] = {room.u[i], v, room.bound[i], room.reach[i]};
-    std::copy_n(coordinates, 4, room.coordinates.data() + 4 * i);
+    const Scalar coordinates[] = {room.u[i], room.bound[i], room.reach[i]};
+    std::copy_n(coordinates, 3, room.coordinates.data() + 3 * i);
   }
 }
 
@@ -362,7 +380,6 @@ void BodiesTest::measure_friction(Index contact, const typename Room<Scalar>::Ro
   for (Index t = 0; t < half; ++t) {
     room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, first + t, beside.of(t), room);
     raise(largest, magnitude(room.rows[static_cast<std::size_t>(t)].w));
-    raise(island.scale, room.rows[static_cast<std::size_t>(t)].scale);
   }
   double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
   lambda = static_cast<double>(largest);
@@ -390,6 +407,7 @@ void BodiesTest::measure_friction(Index contact, const typename Room<Scalar>::Ro
 template <class Scalar>
 contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
   room.resize(sizes_);
+  if (scales_.empty()) measure_scales();
   add_impulses(z, room);
   const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
   const std::vector<Matrix>& blocks = std::get<BlockInertia>(contact_->inertia).blocks;
@@ -408,7 +426,6 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     }
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
     const auto row = row_of<Scalar>(*contact_, c, beside_normal<Scalar>(*contact_, c, z(c)), room);
-    raise(island.scale, row.scale);
     offer(row, row.w, z(c), island, room);
     if (lambda >= 0) measure_friction(c, row, z, room);
   }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/answer/contact_scale.h"
 #include "core/contact_problem.h"
 #include "core/islands.h"
 #include "core/quad.h"
@@ -19,7 +20,10 @@ class BodiesTest {
   /// @param contact with BlockInertia; must stay as it is until the next load
   /// @param numbers of its islands; null or empty: they are found
   void load(const ContactProblem& contact, const IslandNumbers* numbers);
-  void set_velocity(const Vector& v) { v_ = v; }
+  void set_velocity(const Vector& v) {
+    v_ = v;
+    scales_.clear();
+  }
 
   const IslandNumbers& islands() const { return numbers_; }
 
@@ -67,12 +71,11 @@ class BodiesTest {
       Scalar w = 0;         ///< J_j'v+, with offset and compliance, without lambda
       Scalar rounding = 0;  ///< bound on its error
       Scalar reach = 0;     ///< at least the root of M_jj
-      Scalar scale = 0;     ///< of q_j: its magnitude, or more where its rounding is more
       Scalar compliance = 0;  ///< its part of M_jj
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
-    std::vector<Scalar> coordinates;  // four for each coordinate: v+, v, bound and reach
+    std::vector<Scalar> coordinates;  // three for each coordinate: v+, bound and reach
     std::vector<Scalar> factors;  // of all blocks
     std::vector<Scalar> inverse;  // scratch: four columns of the inverse of the largest block
     std::vector<double> dense, work;      // to factor a large block by the kernels for double
@@ -88,6 +91,7 @@ class BodiesTest {
     void for_each_vector(const Sizes& sizes, Visit&& visit);
   };
 
+  void measure_scales();
   template <class Scalar>
   bool factor_and_respond(const Matrix& block, const Place& place, Room<Scalar>& room) const;
   bool respond_by_kernels(const Matrix& block, double* L, double* reach, double* x, Room<double>& room) const;
@@ -112,6 +116,7 @@ class BodiesTest {
   ContactLayout layout_;
   IslandNumbers numbers_;
   Vector v_;
+  std::vector<ContactScale<double>> scales_;  // of the islands; empty: not yet measured for v_
   Sizes sizes_;
   std::vector<Place> places_;  // of the blocks
   Room<double> double_;

@@ -50,7 +50,7 @@ class ResumableImpulseSolver : public ImpulseSolver<Base> {
     if (!this->refusal_.empty()) {
       result_.claim = Claim::kUnsupported;
       result_.detail = this->refusal_;
-    } else if (!(this->state_.q_max > 0)) {
+    } else if (!(this->state_.scale > 0)) {
       this->claim_rest(deadline_s, result_);
     } else if (!run(work, deadline_s)) {
       return false;

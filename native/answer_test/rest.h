@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/answer/contact_scale.h"
 #include "core/contact_problem.h"
 #include "core/quad.h"
 
@@ -24,8 +25,7 @@ class RestTest {
   const ContactProblem& problem_;
   const ContactLayout& layout_;
   const Vector& v_;
-  Quad approach_ = 0;
-  Quad scale_ = 0;
+  ContactScale<Quad> scale_;
 };
 
 }  // namespace lcpbench

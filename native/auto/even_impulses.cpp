@@ -305,7 +305,7 @@ void EvenImpulses::take_impulses() {
 const char* EvenImpulses::settle(double most, double deadline_s) {
   refine();
   take_impulses();
-  if (!(state_.residual() <= most * state_.q_max)) return "their residual would be larger";
+  if (!(state_.residual() <= most * state_.scale)) return "their residual would be larger";
   candidate_.reserve(*problem_);
   candidate_.claim = Claim::kSolved;
   candidate_.z.resize(problem_->size());
@@ -321,9 +321,9 @@ const char* EvenImpulses::distribute(double allowed, double deadline_s, Answer& 
   if (!prepare()) return "friction directions are no regular polygon";
   state_.set_impulses(answer.z);
   own_ = state_.impulse;
-  const double residual = state_.residual() / state_.q_max, most = class_of(residual);
+  const double residual = state_.residual() / state_.scale, most = class_of(residual);
   if (!(most > 0)) return "the residual is above 1e-4 in double";
-  find_sections(state_.q_max * std::min(most, std::max(kNoise * residual, kClasses[0])));
+  find_sections(state_.scale * std::min(most, std::max(kNoise * residual, kClasses[0])));
   test_.allow(allowed);
   begin();
   const char* why = balance(deadline_s) ? settle(most, deadline_s) : "none were found";

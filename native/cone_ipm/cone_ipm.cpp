@@ -162,9 +162,9 @@ void ConeIpm::on_update(const Vector& v) {
 Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   using Stop = ConeIsland::Stop;
   using Slip = ConeIsland::Slip;
+  part.method.start();
   // Without friction AnswerTest asks for the accuracy of all native solvers.
-  const bool may_err = by_cone() && part.method.speed() > 0;
-  const double allowed = may_err ? settings_.error / part.method.speed() : 0.0;
+  const double allowed = by_cone() ? settings_.error / part.method.speed() : 0.0;
   // Neither AnswerTest nor ConeTest passes more than kClaimedResidual.
   const double tolerance = std::max(std::min(settings_.tolerance, kClaimedResidual / 2), allowed);
   const double accepted = std::max(settings_.accept_residual, tolerance);
@@ -172,7 +172,6 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
                           .accepted = accepted,
                           .max_iterations = settings_.max_iterations,
                           .deadline_s = deadline_s};
-  part.method.start();
   Stop stop = part.method.solve(settings_.slip, limits, counters);
   if (settings_.slip == Slip::kNewton && !(part.method.residual() <= accepted)) {
     stop = part.method.solve(Slip::kRounds, limits, counters);

@@ -162,7 +162,7 @@ void ConeIsland::set_start() {
 }
 
 /// The largest of |min(u_N, M_nn f_N)| and of the distances between M_tt f_t and the point nearest to M_tt f_t - u_t in
-/// the disc of radius M_tt mu f_N, over max|q|. NaN in u_ gives infinity. @pre u_ = A w_ + R x_ + q_ at w_ = A'x_
+/// the disc of radius M_tt mu f_N, over the scale. NaN in u_ gives infinity. @pre u_ = A w_ + R x_ + q_ at w_ = A'x_
 double ConeIsland::natural_residual() const {
   double worst = 0;
   const auto take = [&](double value) { worst = max_or_infinity(worst, value); };
@@ -177,7 +177,7 @@ double ConeIsland::natural_residual() const {
     const double length = aim.norm();
     take((f - (length > radius ? radius / length : 1.0) * aim).norm());
   }
-  return worst / q_max_;
+  return worst / scale_;
 }
 
 /// Of the convex problem with the slip held [m/s, in the units of u_]: x less the nearest point of the cone to x - y,
@@ -197,7 +197,7 @@ double ConeIsland::convex_residual(const Vector& y) const {
 }
 
 double ConeIsland::keep_best() {
-  const double residual = is_relaxed_ ? convex_residual(u_) / q_max_ : natural_residual();
+  const double residual = is_relaxed_ ? convex_residual(u_) / scale_ : natural_residual();
   if (residual < best_residual_) {
     best_residual_ = residual;
     best_x_ = x_;
@@ -402,8 +402,8 @@ ConeIsland::Stop ConeIsland::iterate(Slip slip, const ConeLimits& limits, Counte
       take_velocity();
     }
     find_residual(slip);
-    const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / q_max_, residual);
-    const double enough = std::max(limits.tolerance, 1e-13) * q_max_;
+    const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / scale_, residual);
+    const double enough = std::max(limits.tolerance * scale_, 1e-13 * q_max_);
     if (slip != Slip::kNewton && residual_.lpNorm<Eigen::Infinity>() <= enough && convex_residual(y_) <= enough) {
       return Stop::kConverged;
     }
@@ -430,12 +430,17 @@ void ConeIsland::start() {
   x_.setZero();
   best_x_.setZero();
   u_ = q_;
-  best_residual_ = q_max_ == 0 ? 0 : natural_residual();
+  scale_ = std::max(approach_, floor_);
+  best_residual_ = natural_residual();
 }
 
 ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters& counters) {
   is_relaxed_ = slip == Slip::kNone;
-  if (is_relaxed_ && q_max_ > 0) best_residual_ = convex_residual(u_) / q_max_;  // of no impulse
+  if (is_relaxed_) {
+    const double without = convex_residual(u_);  // of no impulse
+    scale_ = std::max(without, floor_);
+    best_residual_ = without / scale_;
+  }
   if (best_residual_ <= limits.tolerance) return Stop::kConverged;
   slip_.setZero();
   if (slip != Slip::kRounds && try_multipliers(kFirstWeight, limits, counters)) {

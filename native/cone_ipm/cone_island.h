@@ -13,7 +13,7 @@ namespace lcpbench {
 
 /// When the iteration on an island ends.
 struct ConeLimits {
-  double tolerance = 0;  ///< of the residual, relative to max|q| of the island
+  double tolerance = 0;  ///< of the residual, relative to the scale of the island
   double accepted = 0;   ///< residual up to which an answer is one
   std::int64_t max_iterations = 0;
   double deadline_s = 0;  ///< on wall_clock_s()
@@ -50,10 +50,10 @@ class ConeIsland {
 
   /// f_N, f_1, f_2 of a contact, the latter two along its tangents.
   Eigen::Vector3d impulse(Index contact) const;
-  /// Largest row of the conditions, relative to max|q|; 0 for q = 0.
+  /// Largest row of the conditions, relative to the scale.
   double residual() const { return best_residual_; }
-  /// max|q|: of N'v + b and of the slips along the tangents [m/s].
-  double speed() const { return q_max_ * unit_; }
+  /// That scale [m/s]. @pre start()
+  double speed() const { return scale_ * unit_; }
   /// The change of the velocity.
   void add_velocity_change(const ContactProblem& island, Vector& u);
 
@@ -120,7 +120,9 @@ class ConeIsland {
   bool is_relaxed_ = false;      // solves the relaxation
   bool is_soft_ = false;         // some R is not zero
   Vector q_;                     // rows: J'v + b, the normal ones divided by mu
-  double q_max_ = 0;             // in [1, 2), or 0; infinite where J'v is not finite
+  double q_max_ = 0;             // largest approach or slip, in [1, 2), or 0; infinite where J'v is not finite
+  double approach_ = 0, floor_ = 0;  // see ContactScale, in unit_
+  double scale_ = 0;                 // what residuals are relative to, of what is solved, in unit_
   Vector x_, y_, w_, u_, slip_;
   Vector dx_, dy_, target_, residual_, rows_, dw_;
   std::vector<Scaling> scalings_;

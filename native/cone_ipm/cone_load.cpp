@@ -108,27 +108,41 @@ void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& 
   contacts_.push_back(to);
 }
 
-/// Sets q_, unit_ and q_max_. Slips along tangents count for the latter two where mu is zero, too.
+/// Sets q_, unit_, q_max_ and what makes the scale. Slips along tangents count where mu is zero, too.
 void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
   double fastest = 0;
-  const auto look_at = [&](double speed) { fastest = max_or_infinity(fastest, std::abs(speed)); };
+  ContactScale<double> scale;
+  const auto look_at = [&](double speed) { fastest = max_or_infinity(fastest, speed); };
+  const auto velocity_along = [&](const Jacobian& J, Index column) {
+    double velocity = 0, terms = 0, entries = 0;
+    for_each_entry(J, column, [&](Index row, double entry) {
+      velocity += entry * v(row);
+      terms += std::abs(entry * v(row));
+      ++entries;
+    });
+    scale.add_row(velocity, terms, entries);
+    return velocity;
+  };
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact& contact = contacts_[c];
     const auto i = static_cast<Index>(c);
-    const double normal = dot_column(island.N, i, v) + island.offset(i);
+    const double normal = velocity_along(island.N, i) + island.offset(i);
+    scale.add_approach(normal);
     q_(contact.row) = contact.rows == 3 ? normal / contact.mu : normal;
-    look_at(normal);
+    look_at(-normal);
     if (contact.tangents[0] < 0) continue;
-    const double t1 = dot_column(island.D, contact.tangents[0], v) + island.tangential_offset(i, 0);
-    const double t2 = dot_column(island.D, contact.tangents[1], v) + island.tangential_offset(i, 1);
-    look_at(t1);
-    look_at(t2);
+    const double t1 = velocity_along(island.D, contact.tangents[0]) + island.tangential_offset(i, 0);
+    const double t2 = velocity_along(island.D, contact.tangents[1]) + island.tangential_offset(i, 1);
+    look_at(std::abs(t1));
+    look_at(std::abs(t2));
     if (contact.rows == 3) q_.segment<2>(contact.row + 1) << t1, t2;
   }
   const bool is_finite = std::isfinite(fastest);
   unit_ = fastest > 0 && is_finite ? std::ldexp(1.0, std::ilogb(fastest)) : 1.0;
   q_ /= unit_;
   q_max_ = fastest / unit_;
+  approach_ = scale.without / unit_;
+  floor_ = scale.floor() / unit_;
 }
 
 }  // namespace lcpbench

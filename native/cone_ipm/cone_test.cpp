@@ -33,16 +33,10 @@ void ConeTest::load(const ContactProblem& problem, bool convex) {
   u_.assign(place(problem.ngc()), 0);
   residuals_.resize(place(islands_.count));
   scales_.resize(place(islands_.count));
+  none_.setZero(layout_.size());
   normal_.assign(place(layout_.nc), 0);
   tangent_.assign(place(layout_.nc), 0);
   inertia_.emplace(problem.inertia);
-  const SoftRows<double> soft(problem, layout_);
-  creep_.clear();
-  for (Index contact = 0; contact < layout_.nc; ++contact) {
-    for (Index k = 0; k < problem.edges[place(contact)]; ++k) {
-      creep_.push_back(soft.along(contact, k, soft.offset(contact)));
-    }
-  }
   for (Index contact = 0; contact < layout_.nc && inertia_->well_defined(); ++contact) {
     normal_[place(contact)] = diagonal(contact) + problem.normal_compliance(contact);
     if (layout_.lambda[place(contact)] < 0) continue;
@@ -122,10 +116,34 @@ Quad ConeTest::friction_residual(Index contact, const Vector& z) const {
   return length(weight * f1 - share * trial1, weight * f2 - share * trial2);
 }
 
+/// Of each island, from v alone. Leaves v in u_.
+void ConeTest::measure_scales(const Vector& v) {
+  for (Index i = 0; i < v.size(); ++i) u_[place(i)] = v(i);
+  std::fill(scales_.begin(), scales_.end(), ContactScale<Quad>{});
+  for (Index row = 0; row < layout_.lambda_offset(); ++row) {
+    Quad velocity = 0, terms = 0;
+    double entries = 0;
+    for_each_row(*problem_, row, [&](std::size_t i, double entry) {
+      const Quad term = Quad{entry} * v(static_cast<Index>(i));
+      velocity += term;
+      terms += abs(term);
+      ++entries;
+    });
+    ContactScale<Quad>& scale = scales_[place(islands_.of_row[place(row)])];
+    scale.add_row(velocity, terms, entries);
+    if (row >= layout_.nc) continue;
+    if (convex_ && layout_.lambda[place(row)] >= 0) {
+      scale.without = std::max(scale.without, convex_residual(row, none_));
+    } else {
+      scale.add_approach(velocity + problem_->offset(row));
+    }
+  }
+}
+
 double ConeTest::residual(const Vector& v, const Vector& z, double error) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kTolerance = 1e-4;  // of the verdict
   if (!inertia_->well_defined()) return kInfinity;
+  measure_scales(v);
   std::fill(u_.begin(), u_.end(), 0);
   for (Index j = 0; j < layout_.lambda_offset(); ++j) {
     if (z(j) == 0) continue;
@@ -134,23 +152,8 @@ double ConeTest::residual(const Vector& v, const Vector& z, double error) {
   inertia_->solve(u_);
   for (Index i = 0; i < v.size(); ++i) u_[place(i)] += v(i);
   std::fill(residuals_.begin(), residuals_.end(), 0);
-  std::fill(scales_.begin(), scales_.end(), 0);
-  for (Index row = 0; row < layout_.lambda_offset(); ++row) {
-    const double b = row < layout_.nc ? problem_->offset(row) : creep_[place(row - layout_.nc)];
-    Quad magnitude = std::abs(b), q = b;
-    double terms = b != 0 ? 2 : 1;
-    for_each_row(*problem_, row, [&](std::size_t i, double entry) {
-      const Quad term = Quad{entry} * v(static_cast<Index>(i));
-      magnitude += abs(term);
-      q += term;
-      ++terms;
-    });
-    const std::size_t island = place(islands_.of_row[place(row)]);
-    // At most the verdict's, which has more terms where a contact is soft.
-    const Quad floor = terms * (0x1p-53 * magnitude + 0x1p-1074) / kTolerance;
-    scales_[island] = std::max({scales_[island], abs(q), floor});
-    if (row >= layout_.nc) continue;
-    Quad& residual = residuals_[island];
+  for (Index row = 0; row < layout_.nc; ++row) {
+    Quad& residual = residuals_[place(islands_.of_row[place(row)])];
     if (convex_ && layout_.lambda[place(row)] >= 0) {
       residual = max_or_infinity(residual, convex_residual(row, z));
       continue;
@@ -163,7 +166,7 @@ double ConeTest::residual(const Vector& v, const Vector& z, double error) {
   double worst = 0;
   for (std::size_t k = 0; k < residuals_.size(); ++k) {
     if (residuals_[k] <= error) continue;
-    const double relative = scales_[k] == 0 ? kInfinity : to_double(residuals_[k] / scales_[k]);
+    const double relative = to_double(residuals_[k] / scales_[k].value());
     if (!(relative <= worst)) worst = relative;
   }
   return worst;

@@ -3,7 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/compliance.h"
+#include "core/answer/contact_scale.h"
+#include "core/contact_problem.h"
 #include "core/islands.h"
 #include "core/quad_inertia.h"
 
@@ -28,6 +29,7 @@ class ConeTest {
   }
 
  private:
+  void measure_scales(const Vector& v);
   Quad project(Index column, const QuadVector& x) const;
   Quad diagonal(Index column);
   Quad friction_residual(Index contact, const Vector& z) const;
@@ -44,8 +46,9 @@ class ConeTest {
   RowIslands islands_;
   std::optional<QuadInertia> inertia_;
   QuadVector normal_, tangent_;  ///< M_nn and M_tt, by contact
-  QuadVector u_, residuals_, scales_;
-  std::vector<double> creep_;  ///< of each friction direction, what its row has beside J'v
+  QuadVector u_, residuals_;
+  std::vector<ContactScale<Quad>> scales_;  ///< by island
+  Vector none_;                             ///< no impulses
 };
 
 }  // namespace lcpbench

@@ -146,14 +146,16 @@ Eigen::Vector3d ContactIpm::velocity(std::size_t contact) const {
 }
 
 /// The velocity before the impact, and at each contact the impulses that would stop it alone, as far as friction can.
-/// Normal impulses and slacks are at least max|q|: smaller ones take more steps.
+/// Slacks are at least the largest approach or slip, and so are normal impulses, in the same unit, but where a contact
+/// is open by more: smaller ones take more steps.
 void ContactIpm::set_start() {
   now_at_.velocity = state_.u0;
-  const double least = state_.q_max;
+  const double least = state_.speed;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
     const Eigen::Vector3d w = velocity(i);
-    x_(contact.normal) = s_(contact.normal) = std::max(std::abs(w(0)), least);
+    s_(contact.normal) = std::max(std::abs(w(0)), least);
+    x_(contact.normal) = least * (least / s_(contact.normal));
     if (contact.polygon == nullptr) continue;
     const Eigen::Vector2d slip = w.tail<2>();
     const auto edges = static_cast<double>(contact.edges());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/answer/contact_scale.h"
 #include "native/contact_lemke/contacts.h"
 #include "native/kernels/response.h"
 
@@ -26,8 +27,9 @@ class Completion {
     Buffer<Scalar>* const by_coordinate[] = {&impulse_, &magnitude_, &change_, &u_, &bound_, &residual_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.extent());
     // Islands have contacts: there are no more of them. Their number is known to load() only.
-    Buffer<Scalar>* const by_island[] = {&worst_, &certain_, &scale_, &rounded_, &lost_, &moved_};
+    Buffer<Scalar>* const by_island[] = {&worst_, &certain_, &rounded_, &lost_, &moved_};
     for (Buffer<Scalar>* buffer : by_island) buffer->resize(contacts_.nc() + 1);
+    scales_.resize(contacts_.nc() + 1);
     normal_velocity_.resize(contacts_.padded_nc());
     normal_q_.resize(contacts_.padded_nc());
     exact_.resize(contacts_.ngc());
@@ -81,8 +83,8 @@ class Completion {
     }
     measure_scales();
     for (Count k = 0; k < contacts_.islands(); ++k) {
-      residual.velocity = larger(residual.velocity, relative(worst_[k], scale_[k]));
-      residual.certain = larger(residual.certain, relative(certain_[k], scale_[k]));
+      residual.velocity = larger(residual.velocity, relative(worst_[k], scales_[k].value()));
+      residual.certain = larger(residual.certain, relative(certain_[k], scales_[k].value()));
     }
     return residual;
   }
@@ -202,7 +204,7 @@ class Completion {
   void begin_measuring() {
     const bool is_certain = is_known_ || terms_ == 0;
     for (Count k = 0; k < contacts_.islands(); ++k) {
-      worst_[k] = scale_[k] = 0;
+      worst_[k] = 0;
       certain_[k] = is_certain ? Scalar(0) : kInfinity<Scalar>;
     }
   }
@@ -305,8 +307,8 @@ class Completion {
     if (!(velocity - velocity == 0)) note_infinite(contact);
   }
 
-  /// measure() in less time: one bound on the rounding of all rows, relative to max|q| of the normal rows, which is at
-  /// most scale_. Sets the lambdas. @pre one island; u_ and normal_velocity_ are those of z
+  /// measure() in less time: one bound on the rounding of all rows, relative to the largest approach, which is at
+  /// most the scale. Sets the lambdas. @pre one island; u_ and normal_velocity_ are those of z
   /// @param residual is set where that suffices @returns whether it does: the residual and its bound are small enough
   bool is_beyond_doubt(double* z, contact_lemke::Residual& residual) {
     is_known_ = true;
@@ -318,11 +320,12 @@ class Completion {
     }
     const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), normal_q_.data(), length);
-    for (Count c = 0; contacts_.has_offset() && c < contacts_.nc(); ++c) {
-      if (contacts_.island_of_contact(c) < 0) normal_q_[c] = 0;  // its offset alone, which is no scale of the others
+    Scalar scale = static_cast<Scalar>(ContactScale<Scalar>::kLeast);
+    for (Count c = 0; c < contacts_.nc(); ++c) {
+      const bool counts = contacts_.island_of_contact(c) >= 0;  // else its offset is no scale of the others
+      if (counts && !(-normal_q_[c] <= scale)) scale = number_or_infinity(-normal_q_[c]);
     }
-    const Scalar scale = largest_magnitude(normal_q_.data(), contacts_.nc());
-    if (!(scale > 0 && worst_[0] <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
+    if (!(scale < kInfinity<Scalar> && worst_[0] <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
     const Scalar at_rest = worst_[0] > certain_[0] ? worst_[0] : certain_[0];
     const Scalar reach =
         contacts_.reach() > contacts_.direction_reach() ? contacts_.reach() : contacts_.direction_reach();
@@ -368,50 +371,37 @@ class Completion {
     return gain * (sums * impulse + lost) + of_velocity;
   }
 
-  /// scale_: of each island max|q|, or the floor that the rounding of q sets where that is more.
+  /// scales_, of each island.
   void measure_scales() {
-    const Count columns = contacts_.nc();
-    for (Count c = 0; c < columns; ++c) {
+    for (Count k = 0; k < contacts_.islands(); ++k) scales_[k] = {};
+    for (Count c = 0; c < contacts_.nc(); ++c) {
       const Count k = contacts_.island_of_contact(c);
       if (k < 0) continue;
-      offer_scale(contacts_.impulse_column(c), {}, scale_[k]);
+      const double* const normal = contacts_.impulse_column(c);
+      scales_[k].add_approach(add_row(normal, scales_[k]) + contacts_.offset_of(normal));
       const Count first = contacts_.nc() + contacts_.first_direction(c);
-      for (Count t = 0; t < contacts_.half(c); ++t) {
-        offer_scale(contacts_.impulse_column(first + t), creep_along(c, t), scale_[k]);
-      }
+      for (Count t = 0; t < contacts_.half(c); ++t) add_row(contacts_.impulse_column(first + t), scales_[k]);
     }
   }
 
-  /// What the tangential offsets are along a direction, tangent by tangent.
-  auto creep_along(Count contact, Count direction) const -> typename Contacts<Scalar>::Tangents {
-    if (!contacts_.is_soft()) return {};
-    const auto along = contacts_.tangents(contact, direction);
-    const Scalar* const offsets = contacts_.velocity() + contacts_.tangents_at(contact);
-    return {along.first * offsets[0], along.second * offsets[1]};
-  }
-
-  void offer_scale(const double* column, typename Contacts<Scalar>::Tangents creep, Scalar& scale) const {
-    Scalar q = creep.first + creep.second, terms = magnitude(creep.first) + magnitude(creep.second);
-    Count entries = (creep.first != 0 ? 1 : 0) + (creep.second != 0 ? 1 : 0);
-    for (Count i = 0; i < contacts_.ngc(); ++i) {
+  /// @returns J_i'v, without an offset
+  Scalar add_row(const double* column, ContactScale<Scalar>& scale) const {
+    Scalar velocity = 0, terms = 0;
+    Count entries = 0;
+    for (Count i = 0; i < contacts_.moving(); ++i) {
       if (column[i] == 0) continue;
       const Scalar part = static_cast<Scalar>(column[i]) * contacts_.velocity()[i];
-      q += part;
+      velocity += part;
       terms += magnitude(part);
       ++entries;
-      // Lost to underflow: no zero, but no scale either.
-      if (part == 0 && contacts_.velocity()[i] != 0) terms += static_cast<Scalar>(__DBL_DENORM_MIN__);
     }
-    const Scalar floor = terms * static_cast<Scalar>(kFloor * static_cast<double>(entries + 1));
-    Scalar own = magnitude(q) > floor ? magnitude(q) : floor;
-    if (own == 0) own = terms;
-    if (!(own <= scale)) scale = number_or_infinity(own);
+    scale.add_row(velocity, terms, static_cast<double>(entries));
+    return velocity;
   }
 
   static double larger(double a, double b) { return a >= b ? a : b; }
 
   static double relative(Scalar residual, Scalar scale) {
-    if (scale == 0) return residual == 0 ? 0 : __builtin_inf();
     return is_scale(scale) && residual < kInfinity<Scalar> ? static_cast<double>(residual / scale) : __builtin_inf();
   }
 
@@ -428,15 +418,14 @@ class Completion {
   static constexpr double kLittle = 3e-5;   ///< less than the solver's claims allow
   static constexpr double kRoom = 1.25;    ///< for G instead of the matrix of the factors within kTrusted
   static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
-  static constexpr double kFloor =
-      0x1p-53 / 1e-4;  ///< of the verdict: a residual of the rounding of q counts as solved
 
   Contacts<Scalar>& contacts_;
   Response<Scalar>& response_;
   Buffer<Scalar> impulse_, magnitude_, change_, u_, bound_, residual_;
   Buffer<long double> exact_;
   Buffer<Scalar> normal_velocity_, normal_q_, slip_;
-  Buffer<Scalar> worst_, certain_, scale_, rounded_, lost_, moved_;  ///< by island
+  Buffer<Scalar> worst_, certain_, rounded_, lost_, moved_;  ///< by island
+  Buffer<ContactScale<Scalar>> scales_;                      ///< by island
   Scalar largest_yield_rounding_ = 0;
   Count terms_ = 0;                                                  ///< impulses that are not zero
   bool is_known_ = false;  ///< whether bound_ bounds the error of what G* makes of the impulses

@@ -67,6 +67,10 @@ class Contacts {
   /// The coordinates that impulses may move: all but that of an offset.
   Count moving() const { return has_offset() ? ngc() - 1 : ngc(); }
   bool has_offset() const { return input_.has_offset; }
+  /// b of a normal row, of its column in the data.
+  Scalar offset_of(const double* column) const {
+    return has_offset() ? static_cast<Scalar>(column[ngc() - 1]) * velocity_[ngc() - 1] : Scalar(0);
+  }
   Count nc() const { return input_.nc; }
   Count padded_ngc() const { return padded_ngc_; }
   Count padded_nc() const { return padded_nc_; }

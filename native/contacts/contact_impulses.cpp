@@ -27,6 +27,7 @@ void ContactImpulses::load(const Problem& problem) {
 
 void ContactImpulses::load_lcp(const Lcp& lcp) {
   contacts = lcp.size();
+  is_bare_ = true;
   columns.J.clear();
   columns.response.clear();
   momentum_.resize(0);
@@ -46,6 +47,7 @@ void ContactImpulses::load_lcp(const Lcp& lcp) {
 void ContactImpulses::load_contacts(const ContactProblem& problem) {
   const ContactLayout layout = contact_layout(problem);
   contacts = layout.nc;
+  is_bare_ = false;
   const bool by_blocks = std::holds_alternative<BlockInertia>(problem.inertia);
   inverse_ = BlockInverse(problem.inertia);
   find_contact_columns(problem, inverse_, Opposites::kEmpty, !by_blocks, columns);
@@ -87,9 +89,25 @@ void ContactImpulses::load_tangents(const ContactProblem& problem) {
   }
 }
 
-double ContactImpulses::velocity_before(Index column, Index contact) const {
-  const double velocity = with_offset(column, columns.J.dot(column, u0));
-  return offset_t.size() > 0 ? velocity + tangents.col(column).dot(offset_t.segment<2>(2 * contact)) : velocity;
+/// Raises `speed`.
+IslandUnits::Row ContactImpulses::measure_row(Index column, Index contact) {
+  const bool is_normal = column < contacts;
+  const double velocity = columns.J.dot(column, u0);
+  double of_offset = offset.size() > 0 && is_normal ? offset(column) : 0, magnitude = std::abs(of_offset);
+  if (offset_t.size() > 0) {
+    const auto along = tangents.col(column).cwiseProduct(offset_t.segment<2>(2 * contact));
+    of_offset += along.sum();
+    magnitude += along.cwiseAbs().sum();
+  }
+  if (is_bare_) {
+    const double size = std::abs(velocity);
+    speed = max_or_infinity(speed, size);
+    return {.approach = size, .magnitudes = size};
+  }
+  const double q = velocity + of_offset;
+  speed = max_or_infinity(speed, is_normal ? -q : std::abs(q));
+  return row_of_units(is_normal, velocity, columns.J.dot_magnitudes(column, u0),
+                      static_cast<double>(columns.J.entries(column)), of_offset, magnitude);
 }
 
 void ContactImpulses::set_velocity(const Vector& v) {
@@ -97,27 +115,28 @@ void ContactImpulses::set_velocity(const Vector& v) {
   offset = b_;
   for (const Index i : idle_) offset(i) = std::min(b_(i), 0.0);
   offset_t = given_offset_t_;
-  q_max = 0;  // the q of cone rows is 0
+  speed = 0;
+  units.clear();
+  IslandUnits::Row largest;
   for_each_impulse([&](Index column, Index contact) {
-    q_max = max_or_infinity(q_max, std::abs(velocity_before(column, contact)));
+    const IslandUnits::Row row = measure_row(column, contact);
+    largest.approach = max_or_infinity(largest.approach, row.approach);
+    largest.floor = max_or_infinity(largest.floor, row.floor);
+    units.add_row(contact, row);
   });
-  for (const Index i : idle_) offset(i) = std::min(b_(i), q_max);
+  scale = largest.approach > 0 ? std::max(largest.approach, largest.floor) : 0;
+  for (const Index i : idle_) offset(i) = std::min(b_(i), speed);
   if (units.several()) scale_islands();
 }
 
 void ContactImpulses::scale_islands() {
-  units.clear();
-  for_each_impulse([&](Index column, Index contact) {
-    double magnitude = offset.size() > 0 && column < contacts ? std::abs(offset(column)) : 0.0;
-    if (offset_t.size() > 0) {
-      magnitude += tangents.col(column).cwiseAbs().dot(offset_t.segment<2>(2 * contact).cwiseAbs());
-    }
-    units.add_row(contact, velocity_before(column, contact), columns.J.dot_magnitudes(column, u0) + magnitude);
-  });
   units.choose(u0);
+  if (units.largest_scale() > 0) scale = units.largest_scale();
   units.scale(u0);
   for (Index i = 0; i < offset.size(); ++i) offset(i) *= units.of_contact(i);
   for (Index i = 0; i < offset_t.size(); ++i) offset_t(i) *= units.of_contact(i / 2);
+  speed = 0;
+  for_each_impulse([this](Index column, Index contact) { measure_row(column, contact); });
 }
 
 void ContactImpulses::set_impulses(const Vector& z) {

@@ -21,8 +21,8 @@ struct SignedFriction {
 /// they give, and how far they are from a solution. M is not formed for contact problems. Of a bare LCP every row is a
 /// frictionless contact, u is w, J = I and G*J = M.
 ///
-/// Velocities and impulses are kept in the units of their islands, so that residual() relative to q_max is that of each
-/// island relative to its own q.
+/// Velocities and impulses are kept in the units of their islands, so that residual() relative to `scale` is that of
+/// each island relative to its own scale.
 struct ContactImpulses {
   /// Everything that follows from the problem; sizes the rest. Memory: the columns, which for block inertia is what the
   /// contacts touch.
@@ -88,7 +88,9 @@ struct ContactImpulses {
   Vector offset_t;                 ///< 2 nc, in the units of the islands; empty: zero
   Eigen::Matrix2Xd tangents;       ///< columns of [N D] by the two tangents of their contact, 0 of normals and of
                                    ///< opposite directions; empty where no friction is soft
-  double q_max = 0;                ///< max|q|
+  double scale = 0;                ///< see ContactScale; 0 where no contact approaches: no impulses solve it. Of a
+                                   ///< bare LCP max|q|. Infinite where some q is not finite
+  double speed = 0;                ///< the largest approach or slip [m/s], the size of what impulses have to change
   IslandUnits units;
 
   Vector u;        ///< velocity; w of a bare LCP
@@ -98,6 +100,7 @@ struct ContactImpulses {
   Vector b_, given_offset_t_;  // as given
   BlockInverse inverse_;     // where columns have no response
   Vector momentum_;          // scratch: the impulses on the coordinates; empty where columns have a response
+  bool is_bare_ = false;
   std::vector<Index> idle_;  // contacts that nothing moves: their w is b, and no scale of the others
 
   /// Calls visit(column of [N D], its contact) for every entry of `impulse` that is used.
@@ -114,8 +117,7 @@ struct ContactImpulses {
     return offset.size() > 0 && contact < contacts ? velocity + offset(contact) : velocity;
   }
   void load_tangents(const ContactProblem& problem);
-  /// J_i'u0, with the offset.
-  double velocity_before(Index column, Index contact) const;
+  IslandUnits::Row measure_row(Index column, Index contact);
   void scale_islands();
   void add_impulses(const PackedColumns& of, Vector& to) const;
   double friction_residual(const SignedFriction& friction) const;

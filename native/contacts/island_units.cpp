@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/answer/contact_scale.h"
+
 namespace lcpbench {
 namespace {
 
@@ -41,23 +43,33 @@ void IslandUnits::load(const Matrix& M) {
 
 void IslandUnits::clear() { std::fill(islands_.begin(), islands_.end(), Island{}); }
 
-void IslandUnits::add_row(Index contact, double q, double magnitudes) {
+IslandUnits::Row row_of_units(bool is_normal, double velocity, double terms, double entries, double offset,
+                              double magnitude) {
+  ContactScale<double> scale;
+  scale.add_row(velocity, terms, entries);
+  if (is_normal) scale.add_approach(velocity + offset);
+  return {.approach = scale.without, .floor = scale.floor(), .magnitudes = terms + magnitude};
+}
+
+void IslandUnits::add_row(Index contact, const Row& row) {
   if (!several()) return;
   const Index number = numbers_.of_contact[static_cast<std::size_t>(contact)];
   if (number < 0) return;
-  Island& island = islands_[static_cast<std::size_t>(number)];
-  raise(island.q, std::abs(q));
-  raise(island.magnitudes, magnitudes);
+  Row& largest = islands_[static_cast<std::size_t>(number)].largest;
+  raise(largest.approach, row.approach);
+  raise(largest.floor, row.floor);
+  raise(largest.magnitudes, row.magnitudes);
 }
 
-/// The smallest power of two that brings the island's |q| to at least `largest_q`; less where its speed would overflow.
-/// An island whose q nearly cancels counts with 2^-17 of the magnitudes of its terms instead. 1 where q is 0, where the
-/// island needs no scaling, and where `largest_q` is not finite.
-double IslandUnits::unit_for(const Island& island, double largest_q) {
-  const double own = std::max(island.q, kRounding / kLargestRounding * island.magnitudes);
-  if (!(island.q > 0 && own < largest_q && largest_q <= std::numeric_limits<double>::max())) return 1;
-  int exponent = std::ilogb(largest_q) - std::ilogb(own);
-  if (std::ldexp(own, exponent) < largest_q) ++exponent;
+/// The smallest power of two that brings the island's scale to at least the largest; less where its speed would
+/// overflow. An island whose q nearly cancels counts with 2^-17 of the magnitudes of its terms instead. 1 without an
+/// approach, where the island needs no scaling, and where the largest scale is not finite.
+double IslandUnits::unit_for(const Island& island, double largest_scale) {
+  const double own = std::max(island.scale(), kRounding / kLargestRounding * island.largest.magnitudes);
+  const bool is_scaled = island.largest.approach > 0 && own < largest_scale;
+  if (!(is_scaled && largest_scale <= std::numeric_limits<double>::max())) return 1;
+  int exponent = std::ilogb(largest_scale) - std::ilogb(own);
+  if (std::ldexp(own, exponent) < largest_scale) ++exponent;
   // The speed is zero where q comes from the offset b alone.
   const int most =
       island.speed > 0 ? std::min(kLargestExponent, kLargestExponent - std::ilogb(island.speed)) : kLargestExponent;
@@ -66,13 +78,15 @@ double IslandUnits::unit_for(const Island& island, double largest_q) {
 
 void IslandUnits::choose(const Vector& v) {
   if (!several()) return;
-  double largest_q = 0;
-  for (const Island& island : islands_) largest_q = std::max(largest_q, island.q);
+  largest_scale_ = 0;
+  for (const Island& island : islands_) {
+    if (island.largest.approach > 0) largest_scale_ = std::max(largest_scale_, island.scale());
+  }
   for (Index i = 0; i < v.size(); ++i) {
     const Index number = numbers_.of_coordinate[static_cast<std::size_t>(i)];
     if (number >= 0) raise(islands_[static_cast<std::size_t>(number)].speed, std::abs(v(i)));
   }
-  for (Island& island : islands_) island.unit = unit_for(island, largest_q);
+  for (Island& island : islands_) island.unit = unit_for(island, largest_scale_);
 }
 
 void IslandUnits::scale(Vector& v) const {

@@ -7,14 +7,15 @@
 
 namespace lcpbench {
 
-/// One factor for each island, its unit: a power of two >= 1 that brings its max|q| to at least the largest of all
-/// islands, and to less than twice that. Tolerances relative to max|q| of the whole problem are then relative to that
-/// of each island. Nothing couples islands: velocities and offsets times the unit have impulses times the unit, bit for
+/// One factor for each island, its unit: a power of two >= 1 that brings its scale (ContactScale; of a bare LCP max|q|)
+/// to at least the largest of all islands, and to less than twice that. Tolerances relative to the largest scale are
+/// then relative to that of each island. Nothing couples islands: velocities and offsets times the unit have impulses times the unit, bit for
 /// bit except for underflow.
 ///
-/// The unit is smaller where scaled velocities would overflow, and where q cancels: |q| below 2^-17 of the sum of its
-/// terms' magnitudes counts as that much, so that its rounding error stays far below the tolerances. It is 1 for an
-/// island with q = 0. All are 1 if there is one island, or if some q is not finite.
+/// The unit is smaller where scaled velocities would overflow, and where q cancels: a scale below 2^-17 of the sum of
+/// the magnitudes of a q's terms counts as that much, so that its rounding error stays far below the tolerances. It is
+/// 1 for an island without an approach, which no impulses solve. All are 1 if there is one island, or if some q is not
+/// finite.
 class IslandUnits {
  public:
   void load(const ContactProblem& problem);
@@ -27,13 +28,22 @@ class IslandUnits {
   /// False: all units are 1 for every velocity.
   bool several() const { return islands_.size() > 1; }
 
+  /// What a row adds to the scale of its island.
+  struct Row {
+    double approach = 0;    ///< -q_i of a normal row, if above zero; |q_i| of a bare LCP
+    double floor = 0;       ///< ContactScale::floor() of the row alone; of a bare LCP 0
+    double magnitudes = 0;  ///< of the terms of q_i, summed
+  };
+
   /// Three steps choose the units for a velocity v: clear(), which makes them 1; add_row() for each column J_i of
   /// [N D], or one of two opposite columns; choose(). They allocate nothing.
-  /// @param q J_i'v and the row's offset @param magnitudes |J_i|'|v| and the offset's magnitude
   void clear();
-  void add_row(Index contact, double q, double magnitudes);
+  void add_row(Index contact, const Row& row);
   /// @param v of all coordinates (q of a bare LCP)
   void choose(const Vector& v);
+  /// The largest scale of an island with an approach, in its unit 1; 0 if none has one. Infinite where one is not
+  /// finite. @pre several(); choose()
+  double largest_scale() const { return largest_scale_; }
 
   double of_contact(Index contact) const { return unit(numbers_.of_contact, contact); }
   double of_coordinate(Index coordinate) const { return unit(numbers_.of_coordinate, coordinate); }
@@ -44,13 +54,14 @@ class IslandUnits {
 
  private:
   struct Island {
-    double q = 0;           // largest |q_i|
-    double magnitudes = 0;  // largest sum of the terms of a q_i
-    double speed = 0;       // largest |v_i|
+    Row largest;       // each of its rows
+    double speed = 0;  // largest |v_i|
     double unit = 1;
+
+    double scale() const { return largest.approach > largest.floor ? largest.approach : largest.floor; }
   };
 
-  static double unit_for(const Island& island, double largest_q);
+  static double unit_for(const Island& island, double largest_scale);
 
   double unit(const std::vector<Index>& island_of, Index i) const {
     if (!several()) return 1;
@@ -60,6 +71,12 @@ class IslandUnits {
 
   IslandNumbers numbers_;
   std::vector<Island> islands_;
+  double largest_scale_ = 0;
 };
+
+/// The row of a contact problem. @param velocity J_i'v @param terms |J_i|'|v| @param offset of q_i @param magnitude that
+/// of the terms of the offset
+IslandUnits::Row row_of_units(bool is_normal, double velocity, double terms, double entries, double offset,
+                              double magnitude);
 
 }  // namespace lcpbench

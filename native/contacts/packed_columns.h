@@ -65,6 +65,12 @@ class PackedColumns {
     return sum;
   }
 
+  Index entries(Index column) const {
+    Index count = 0;
+    for_each_run(column, [&](Index, const Entries& run) { count += run.size(); });
+    return count;
+  }
+
   /// x += factor * column. O(entries of the column)
   void add_to(Vector& x, Index column, double factor) const {
     for_each_run(column, [&](Index row, const Entries& run) { x.segment(row, run.size()) += factor * run; });

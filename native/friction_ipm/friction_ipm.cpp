@@ -188,7 +188,6 @@ class FrictionIpm final : public BestImpulseSolver {
 
   void begin_round(double residual);
   bool end_round();
-  double units() const;
   double take_impulses();
   bool is_certain() const;
   void find_offsets(bool at_rest);
@@ -229,7 +228,7 @@ void FrictionIpm::on_load(const Problem& problem) {
 }
 
 /// The multipliers of the cone columns as normal and signed friction impulses, and the velocity that they give.
-/// @returns the residual, relative to max|q|
+/// @returns the residual, relative to the scale
 double FrictionIpm::take_impulses() {
   friction_impulses_.noalias() = cone_.friction * method_.impulses();
   state_.impulse.head(state_.contacts).noalias() = cone_.normal * method_.impulses();
@@ -241,13 +240,13 @@ double FrictionIpm::take_impulses() {
   }
   state_.recompute_velocity();
   best_.work += state_.work_of_residual();
-  return state_.residual() / state_.q_max;
+  return state_.residual() / state_.scale;
 }
 
 /// Whether the rounding of the impulses, which may grow without bound, is within accept_residual.
 bool FrictionIpm::is_certain() const {
   const double largest = state_.columns.diagonal.cwiseProduct(state_.impulse.cwiseAbs()).maxCoeff();
-  return std::numeric_limits<double>::epsilon() * largest <= best_.accept_residual * state_.q_max;
+  return std::numeric_limits<double>::epsilon() * largest <= best_.accept_residual * state_.scale;
 }
 
 /// b + mu (lambda + c'offset_t) of each cone column into offset_, at the velocity reached; `at_rest`: with lambda = 0.
@@ -285,20 +284,17 @@ void FrictionIpm::begin(const Vector* /*start*/, double error) {
 
 /// The next convex problem, with the bounds in offset_. @param residual the least so far, or of the start
 void FrictionIpm::begin_round(double residual) {
-  method_.set_velocity(state_.u0, offset_);
+  method_.set_velocity(state_.u0, offset_, state_.scale, state_.speed);
   const double least = kConvexShare * best_.tolerance;
-  const double next = kNextConvex * residual * units();
+  const double next = kNextConvex * residual;
   const double most = best_.tolerance < kToRounding ? least : std::max(least, kFirstConvex);
   method_.aim_at(has_friction() ? std::clamp(next, least, most) : least);
   if (now_.goes_on) {
-    method_.begin_near(now_.residual * units());
+    method_.begin_near(now_.residual);
   } else {
     method_.begin();
   }
 }
-
-/// max|q| over that of the convex problem, whose q includes the slip bounds: the factor of relative residuals.
-double FrictionIpm::units() const { return method_.scale() > 0 ? state_.q_max / method_.scale() : 1; }
 
 /// @returns whether it was the last one
 bool FrictionIpm::end_round() {
@@ -343,7 +339,7 @@ void FrictionIpm::describe(std::string& detail) const {
 
 double FrictionIpm::best(Vector& z) {
   if (!refusal_.empty()) return kInfinity;
-  if (state_.q_max == 0) {
+  if (!(state_.scale > 0)) {
     z.setZero();
     return 0;
   }

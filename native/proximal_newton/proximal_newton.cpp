@@ -203,7 +203,7 @@ bool ProximalNewton::newton_step() {
 void ProximalNewton::note() {
   set_net_impulses(now_at_.impulse, polygons_, state_);
   best_.work += kWorkOfNote * state_.work_of_residual();
-  const double residual = state_.residual() / state_.q_max;
+  const double residual = state_.residual() / state_.scale;
   if (!(residual < best_.residual)) return;
   best_.residual = residual;
   best_impulse_ = state_.impulse;
@@ -280,7 +280,7 @@ bool ProximalNewton::run(double work, double deadline_s) {
 
 double ProximalNewton::best(Vector& z) {
   if (!refusal_.empty()) return kInfinity;
-  if (state_.q_max == 0) {
+  if (!(state_.scale > 0)) {
     z.setZero();
     return 0;
   }

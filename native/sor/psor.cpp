@@ -213,7 +213,7 @@ void Psor::begin(const Vector* start, double error) {
   const double tolerance = error > 0 ? error : std::min(settings_.tolerance, kClaimedResidual);
   begin_result({});
   now_ = {};
-  now_.allowed = now_.promising = tolerance * state_.q_max;
+  now_.allowed = now_.promising = tolerance * state_.scale;
   set_start(start);
   if (!is_bare()) blocks_.take(state_);
   if (accelerates()) steps_.begin(impulses(), velocity());
@@ -294,7 +294,7 @@ bool Psor::run(double work, double deadline_s) {
 }
 
 double Psor::best(Vector& z) {
-  if (!(state_.q_max > 0)) {
+  if (!(state_.scale > 0)) {
     z.setZero();
     return 0;
   }
@@ -312,7 +312,7 @@ double Psor::best(Vector& z) {
     state_.impulse = kept_impulses_;
     state_.u = kept_velocity_;
   }
-  return now_.least_residual < kInfinity ? now_.least_residual / state_.q_max : kInfinity;
+  return now_.least_residual < kInfinity ? now_.least_residual / state_.scale : kInfinity;
 }
 
 void Psor::begin_watch() {

@@ -242,7 +242,7 @@ void QuickstepSor::settle(double deadline_s, Answer& answer) {
 
 void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
-  if (!(state_.q_max > 0)) return claim_rest(deadline_s, answer);
+  if (!(state_.scale > 0)) return claim_rest(deadline_s, answer);
   answer.claim = sweep_all(deadline_s);
   if (answer.claim != Claim::kTimeLimit) answer.counters.iterations = settings_.iterations;
   write_impulses();
@@ -251,7 +251,7 @@ void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
   if (!(residual < std::numeric_limits<double>::infinity())) {
     answer.claim = Claim::kNumericalFailure;
     answer.detail = kGrewOutOfRange;
-  } else if (residual <= settings_.tolerance * state_.q_max) {
+  } else if (residual <= settings_.tolerance * state_.scale) {
     settle(deadline_s, answer);
   }
 }

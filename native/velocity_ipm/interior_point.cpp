@@ -7,6 +7,7 @@
 
 #include "core/entries.h"
 #include "core/timed_solve.h"
+#include "native/contacts/contact_impulses.h"
 
 namespace lcpbench {
 namespace {
@@ -53,15 +54,32 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
 
 void InteriorPoint::set_velocity(const Vector& v) {
   project_velocity(v);
-  measure_q();
+  units_.clear();
+  IslandUnits::Row largest;
+  for (Index j = 0; j < q_.size(); ++j) {
+    double velocity = 0, terms = 0, entries = 0;
+    for_each_entry(N_, j, [&](Index i, double entry) {
+      velocity += entry * v_(i);
+      terms += std::abs(entry * v_(i));
+      ++entries;
+    });
+    const double offset = b_.size() > 0 && !is_idle(j) ? b_(j) : 0;
+    const IslandUnits::Row row = row_of_units(true, velocity, terms, entries, offset, std::abs(offset));
+    largest.approach = max_or_infinity(largest.approach, row.approach);
+    largest.floor = max_or_infinity(largest.floor, row.floor);
+    units_.add_row(j, row);
+  }
+  scale_ = largest.approach > 0 ? std::max(largest.approach, largest.floor) : 0;
   if (units_.several()) scale_islands();
+  measure_q(0);
 }
 
-void InteriorPoint::set_velocity(const Vector& v, const Vector& offset) {
+void InteriorPoint::set_velocity(const Vector& v, const Vector& offset, double scale, double speed) {
   units_.clear();
   project_velocity(v);
   q_ += offset;
-  measure_q();
+  scale_ = scale;
+  measure_q(speed);
 }
 
 /// v_ = v, q_ = N'v + b.
@@ -72,13 +90,8 @@ void InteriorPoint::project_velocity(const Vector& v) {
 }
 
 void InteriorPoint::scale_islands() {
-  units_.clear();
-  for (Index j = 0; j < q_.size(); ++j) {
-    double magnitudes = b_.size() > 0 ? std::abs(b_(j)) : 0.0;
-    for_each_entry(N_, j, [&](Index i, double entry) { magnitudes += std::abs(entry * v_(i)); });
-    units_.add_row(j, q_(j), magnitudes);
-  }
   units_.choose(v_);
+  if (units_.largest_scale() > 0) scale_ = units_.largest_scale();
   units_.scale(v_);
   for (Index j = 0; j < q_.size(); ++j) q_(j) *= units_.of_contact(j);
 }
@@ -90,32 +103,39 @@ void InteriorPoint::write_impulses(const Vector& f, Vector& z) const {
   for (Index j = 0; j < q_.size(); ++j) z(j) /= units_.of_contact(j);
 }
 
-/// max|q|; infinity also for NaN, which must not pass for zero. A contact that nothing moves does not count if its q is
-/// its positive offset; that is cut to the maximum of the others.
-void InteriorPoint::measure_q() {
-  q_max_ = 0;
-  const auto is_idle = [this](Index i) { return b_.size() > 0 && diagonal_(i) == 0 && q_(i) > 0; };
+/// Whether nothing moves the contact, and its q, a positive offset, asks for nothing.
+bool InteriorPoint::is_idle(Index contact) const {
+  return b_.size() > 0 && diagonal_(contact) == 0 && q_(contact) > 0;
+}
+
+/// speed_: the largest approach, at least `speed` where there is one; 0 where z = 0 is the solution. Infinity also for
+/// NaN, which must not pass for zero. An idle contact's offset is cut to it.
+void InteriorPoint::measure_q(double speed) {
+  speed_ = 0;
   for (Index i = 0; i < q_.size(); ++i) {
-    const double q = q_(i);
-    if (is_idle(i)) continue;
-    if (!(std::abs(q) <= q_max_)) q_max_ = std::isnan(q) ? kInfinity : std::abs(q);
+    if (!is_idle(i)) speed_ = max_or_infinity(speed_, -q_(i));
   }
+  if (speed_ > 0) speed_ = std::max(speed_, speed);
+  if (!(scale_ > 0)) speed_ = 0;
   for (Index i = 0; i < q_.size(); ++i) {
-    if (is_idle(i)) q_(i) = std::min(q_(i), q_max_);
+    if (is_idle(i)) q_(i) = std::min(q_(i), speed_);
   }
 }
 
-/// y = 0, s of the size of q, and f such that f and s are as far from their boundaries in the same unit. The solution
-/// where q = 0.
+/// y = 0, s of the size of q, and f such that f and s are as far from their boundaries in the same unit; less far where
+/// a contact is open by more than any other approaches. The solution where nothing approaches.
 void InteriorPoint::set_start() {
-  if (q_max_ == 0) {
+  if (speed_ == 0) {
     for (Vector* vector : {&point_.f, &point_.s, &point_.y}) vector->setZero();
     return;
   }
   const double largest = diagonal_.maxCoeff();
   point_.y.setZero();
-  point_.s = q_.cwiseAbs().cwiseMax(0.1 * q_max_);
-  for (Index i = 0; i < q_.size(); ++i) point_.f(i) = point_.s(i) / (diagonal_(i) > 0 ? diagonal_(i) : largest);
+  point_.s = q_.cwiseAbs().cwiseMax(0.1 * speed_);
+  for (Index i = 0; i < q_.size(); ++i) {
+    const double stops = point_.s(i) > speed_ ? speed_ * (speed_ / point_.s(i)) : point_.s(i);
+    point_.f(i) = stops / (diagonal_(i) > 0 ? diagonal_(i) : largest);
+  }
 }
 
 /// @pre relative_residual(point_.f)
@@ -183,7 +203,7 @@ void InteriorPoint::add_yielding(const Vector& f, Vector& s) const {
   if (!coupled_.empty()) coupled_.add_product(f, s);
 }
 
-/// max |min(M_ii f_i, w_i)| / max|q| with w = M f + q: the evaluation's measure, in double. Infinity for NaN. Leaves
+/// max |min(M_ii f_i, w_i)| over the scale, with w = M f + q: the evaluation's measure, in double. Infinity for NaN. Leaves
 /// W f in coordinates_ and M f in contacts_.
 double InteriorPoint::relative_residual(const Vector& f) {
   normals_->combine(f, coordinates_);
@@ -196,7 +216,7 @@ double InteriorPoint::relative_residual(const Vector& f) {
     if (!std::isfinite(off)) return kInfinity;
     worst = std::max(worst, off);
   }
-  return worst / q_max_;
+  return worst / scale_;
 }
 
 void InteriorPoint::keep_points() {
@@ -236,7 +256,7 @@ void InteriorPoint::begin_near(double residual) {
 
 InteriorPoint::Stop InteriorPoint::go_on(double work, double deadline_s, std::int64_t max_iterations,
                                          Counters& counters) {
-  if (q_max_ == 0) return Stop::kConverged;  // and max|q| gives no scale to judge an answer by
+  if (speed_ == 0) return Stop::kConverged;
   const double contacts = static_cast<double>(q_.size());
   for (const double end = work_ + work;;) {
     const double residual = relative_residual(point_.f);
@@ -278,7 +298,7 @@ void InteriorPoint::pressed_contacts(Vector& f) const {
 void InteriorPoint::finish(Counters& counters) {
   constexpr double kWeight = 1e8;
   constexpr int kRounds = 6;
-  if (q_max_ == 0) return;
+  if (speed_ == 0) return;
   double best = relative_residual(point_.f);
   Vector& f = step_.f;
   Vector& weights = step_.s;
@@ -327,7 +347,7 @@ void InteriorPoint::drop_parting() {
 
 bool InteriorPoint::iterated(Stop stop, Answer& answer) {
   stop_ = stop;
-  if (q_max_ == 0) {  // z = 0 solves it
+  if (speed_ == 0) {  // z = 0 solves it
     answer.claim = Claim::kSolved;
     return false;
   }
@@ -338,7 +358,7 @@ bool InteriorPoint::iterated(Stop stop, Answer& answer) {
 }
 
 double InteriorPoint::best(Vector& z) {
-  if (q_max_ == 0) {
+  if (speed_ == 0) {
     z.setZero();
     return 0;
   }

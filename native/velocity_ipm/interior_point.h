@@ -22,8 +22,8 @@ namespace lcpbench {
 /// the diagonal of M = N'G*N + R. WhitenedNormals factors the matrix. [Mehrotra 1992; Wright 1997, ch. 10;
 /// docs/reference/solvers/velocity_ipm.md]
 ///
-/// Every island is solved in its own unit (IslandUnits), so that max|q|, to which the residual is relative, is that of
-/// each island.
+/// Every island is solved in its own unit (IslandUnits), so that the scale, to which the residual is relative, is that
+/// of each island.
 ///
 /// Life: load(), then for each velocity set_velocity(), begin(), go_on() until it ends, iterated(), perhaps finish(),
 /// impulses() or conclude(). Only load(), keep_points(), the factorization of the WhitenedNormals and the text that
@@ -40,7 +40,8 @@ class InteriorPoint {
   void keep_points();
   void set_velocity(const Vector& v);
   /// With the constraints N'u + R f + offset >= 0 (nc) instead; islands are not rescaled. @pre b is zero
-  void set_velocity(const Vector& v, const Vector& offset);
+  /// @param scale  what residuals are relative to @param speed  the size of what impulses have to change, or less
+  void set_velocity(const Vector& v, const Vector& offset, double scale, double speed);
 
   /// InteriorPointSettings::tolerance from now on.
   void aim_at(double tolerance) { settings_.tolerance = tolerance; }
@@ -56,7 +57,7 @@ class InteriorPoint {
   /// Starts at a point kept since begin(), for another offset: the one with the least residual that is at least three
   /// times `residual`; if none is, the one with the largest; begin() if none is kept. Nearer to the solution, impulses
   /// and velocities are too close to their boundaries to follow a change of that size. @pre keep_points()
-  /// @param residual of the last solution, with the new offset, relative to max|q|
+  /// @param residual of the last solution, with the new offset, relative to the scale
   void begin_near(double residual);
   /// Iterates until counters.iterations is max_iterations, the wall clock is at deadline_s, or work() has grown by
   /// `work` and one step at least is done: kUnfinished, called again it goes on. Adds to the counters.
@@ -64,8 +65,8 @@ class InteriorPoint {
   /// Of all solves since this object was made, in the units of ResumableSolver::work().
   double work() const { return work_; }
 
-  /// After a go_on() that ended with `stop`. False when that ended the solve: `answer` says how (a limit; or q = 0,
-  /// whose solution is z = 0). True: the point reached awaits finish() and conclude().
+  /// After a go_on() that ended with `stop`. False when that ended the solve: `answer` says how (a limit; or nothing
+  /// approaches, and z = 0 is the solution). True: the point reached awaits finish() and conclude().
   bool iterated(Stop stop, Answer& answer);
 
   /// Brings the velocities of the pressed contacts to zero by regularised Newton steps with one more factorization; of
@@ -81,8 +82,6 @@ class InteriorPoint {
 
   /// In the units of the islands (IslandUnits); after set_velocity(v, offset) in the units of its arguments.
   const Vector& impulses() const { return point_.f; }
-  /// max|q|
-  double scale() const { return q_max_; }
   /// f of the contacts that are pressed rather than parting, in the same units; 0 for the others.
   void pressed_contacts(Vector& f) const;
   /// ResumableSolver::best(), among the points at which it was called since begin() or begin_near().
@@ -114,7 +113,8 @@ class InteriorPoint {
   void forget_steps();
   void project_velocity(const Vector& v);
   void scale_islands();
-  void measure_q();
+  bool is_idle(Index contact) const;
+  void measure_q(double speed);
   void write_impulses(const Vector& f, Vector& z) const;
   void set_start();
   void evaluate_residuals();
@@ -136,7 +136,8 @@ class InteriorPoint {
   Vector compliance_;  // r_n; empty: zero
   CoupledCompliance coupled_;
   Vector diagonal_;    // M_ii
-  double q_max_ = 0;
+  double scale_ = 0;   // what residuals are relative to
+  double speed_ = 0;   // see measure_q()
   Vector shifts_;  // shift + r_n
 
   Stop stop_ = Stop::kConverged;

@@ -90,9 +90,9 @@ void CertificateTable::add(std::int64_t problem_id, const CertificateRow& row) {
   };
   Statement(store, insert_or_replace("certificates",
                                      "problem_id, certificate, proof, velocity, velocity_unique, "
-                                     "least_violation_m_per_s, detail"))
+                                     "least_violation_m_per_s, proof_margin, detail"))
       .run(problem_id, to_string(row.kind), to_string(row.proof), keep(store_, row.velocity), row.velocity_unique,
-           row.least_violation_m_per_s, row.detail);
+           row.least_violation_m_per_s, row.proof_margin, row.detail);
   Statement(store, insert_or_replace("certificate_timings", "problem_id, seconds, time_limit_s"))
       .run(problem_id, row.seconds, row.time_limit_s);
   if (row.document.empty()) return;

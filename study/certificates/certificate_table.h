@@ -37,6 +37,7 @@ struct CertificateRow {
   Vector velocity;
   std::optional<bool> velocity_unique;
   double least_violation_m_per_s = 0;  ///< NaN where nothing is known of it
+  double proof_margin = 0;             ///< likewise
   std::string detail;
   double seconds = 0;
   double time_limit_s = 0;

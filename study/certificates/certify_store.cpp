@@ -13,10 +13,12 @@
 #include <fmt/format.h>
 #include <gmpxx.h>
 
+#include "core/answer/lcp_error.h"
 #include "core/entries.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/parallel_work.h"
+#include "core/quad.h"
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
 
@@ -128,11 +130,26 @@ double least_violation(const Problem& problem, const Certificate& certificate) {
   return std::min(bound, std::numeric_limits<double>::max());
 }
 
+double proof_margin(const Problem& problem, const Certificate& certificate) {
+  const bool is_bare = problem.contact() == nullptr && !problem.lcp().is_mixed();
+  const std::vector<std::string>& numerators = certificate.exact_farkas.numerators;
+  if (certificate.proof != ProofKind::kFarkas || !is_bare || std::ssize(numerators) != problem.size()) return kNone;
+  const Lcp& lcp = problem.lcp();
+  const std::vector<Quad> floors = lcp_floors(lcp, row_islands(lcp.M), lcp_norms<Quad>(lcp));
+  mpq_class missing, total;
+  for (Index i = 0; i < problem.size(); ++i) {
+    const mpq_class u(mpz_class(numerators[static_cast<std::size_t>(i)]));
+    missing -= u * mpq_class(lcp.q(i));
+    total += u * mpq_class(std::max(std::abs(lcp.q(i)), to_double(floors[static_cast<std::size_t>(i)])));
+  }
+  return sgn(total) > 0 ? mpq_class(missing / total).get_d() : kNone;
+}
+
 CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s) {
   CertificateRow row;
   row.seconds = certificate.seconds;
   row.time_limit_s = time_limit_s;
-  row.least_violation_m_per_s = kNone;
+  row.least_violation_m_per_s = row.proof_margin = kNone;
   try {
     if (certificate.kind != CertificateKind::kOpen) row.document = deflate(proof_document(problem, certificate));
   } catch (const InputError& refusal) {
@@ -144,6 +161,7 @@ CertificateRow certificate_row(const Problem& problem, const Certificate& certif
   row.velocity = certificate.velocity;
   row.velocity_unique = certificate.velocity_unique;
   row.least_violation_m_per_s = least_violation(problem, certificate);
+  row.proof_margin = proof_margin(problem, certificate);
   row.detail = certificate.detail;
   return row;
 }

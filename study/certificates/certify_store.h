@@ -31,6 +31,9 @@ struct CertifyOutcome {
 /// kFarkas; NaN for other proofs and bare LCPs. [m/s]
 double least_violation(const Problem& problem, const Certificate& certificate);
 
+/// Of a proof that a bare LCP has no solution, lcpbench::proof_margin(), rounded; NaN for all else.
+double proof_margin(const Problem& problem, const Certificate& certificate);
+
 /// The row of a certificate; an open one where no problem file can hold the problem: nobody could check the proof.
 CertificateRow certificate_row(const Problem& problem, const Certificate& certificate, double time_limit_s);
 

@@ -4,6 +4,7 @@
 
 #include "core/same_bits.h"
 #include "core/timed_solve.h"
+#include "study/certificates/certify_store.h"
 
 namespace lcpbench {
 
@@ -61,8 +62,11 @@ void Judge::settle() {
   settled_ = true;
   certificate_ = certifier_.certify(problem_);
   if (!certificate_) return;
-  findings_.add(certificate_->kind == CertificateKind::kUnsolvable ? Evidence::kCertifiedUnsolvable
-                                                                   : Evidence::kCertifiedSolution);
+  if (certificate_->kind == CertificateKind::kUnsolvable) {
+    findings_.add_proof(Evidence::kCertifiedUnsolvable, proof_margin(problem_, *certificate_));
+  } else {
+    findings_.add(Evidence::kCertifiedSolution);
+  }
 }
 
 }  // namespace lcpbench

@@ -12,8 +12,8 @@ Errors ContactEvaluation::errors(const Answer& answer, FrictionModel model) {
   errors.usable = true;
   const RefinedInertia& inertia = contact_.inertia;
   const bool has_model = model == FrictionModel::kPyramid || contact_.cone;
-  if (contact_.lcp) measure(answer, has_model ? model : FrictionModel::kPyramid, errors);
-  if (!inertia.well_defined()) {  // 113 bits were needed, and found no G*
+  const bool is_known = contact_.lcp && measure(answer, has_model ? model : FrictionModel::kPyramid, errors);
+  if (!is_known) {
     errors = {};
     errors.usable = true;
   } else if (!has_model) {
@@ -24,25 +24,29 @@ Errors ContactEvaluation::errors(const Answer& answer, FrictionModel model) {
     }
     errors.worst = {};
     errors.solved = false;
-  } else if (model == FrictionModel::kConvex && contact_.lcp) {
+  } else if (model == FrictionModel::kConvex) {
     errors.optimum_distance = optimum_distance(answer.z);
   }
-  errors.unresolved = inertia.unresolved() || !has_model;
+  errors.unresolved = is_known ? !has_model : inertia.unresolved() || inertia.well_defined();
   return errors;
 }
 
-void ContactEvaluation::measure(const Answer& answer, FrictionModel model, Errors& errors) {
+/// @returns false where 113 bits do not tell G* well enough. No impulses need no G*, where nothing violates them.
+bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Errors& errors) {
   const ContactResidual::Point point = contact_.at(answer.z);
-  if (!point.is_finite()) return;
-  const auto& [z, u, w] = point;
+  const bool has_inertia = contact_.inertia.well_defined();
+  if (!point.is_finite()) return has_inertia;
+  const auto& [z, u, w, off] = point;
   const ContactLcp& lcp = *contact_.lcp;
   const bool pyramid = model == FrictionModel::kPyramid;
   errors.min_z = answer.z.size() == 0 ? 0 : answer.z.minCoeff();
   const ContactResidual::Worst worst = contact_.worst(model, point);
+  if (!worst.is_resolved) return false;
   errors.velocity_residual_m_per_s = to_double(worst.residual);
   errors.velocity_residual_relative = to_double(worst.relative);
   if (worst.row >= 0) errors.worst = describe(worst, model, point);
   errors.decide(kSolvedVelocityResidual);
+  if (!has_inertia && !errors.solved) return false;
   if (contact_.cone) {
     errors.model_error_m_per_s = model == FrictionModel::kCone
                                      ? errors.velocity_residual_m_per_s
@@ -72,6 +76,7 @@ void ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   errors.criterion =
       errors.work_gain_j - to_double(work) < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
   ReturnedVelocity(contact_, z, u).measure(answer.velocity, errors);
+  return true;
 }
 
 WorstRow ContactEvaluation::describe(const ContactResidual::Worst& worst, FrictionModel model,

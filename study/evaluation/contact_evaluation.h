@@ -24,7 +24,7 @@ class ContactEvaluation {
   double optimum_distance(const Vector& z);
 
  private:
-  void measure(const Answer& answer, FrictionModel model, Errors& errors);
+  bool measure(const Answer& answer, FrictionModel model, Errors& errors);
   WorstRow describe(const ContactResidual::Worst& worst, FrictionModel model,
                     const ContactResidual::Point& point) const;
   double work_gain(const ContactResidual::Point& point) const;

@@ -79,7 +79,10 @@ Errors bare_errors(const Lcp& lcp, const RowIslands& blocks, const Answer& answe
   errors.decide(kSolvedBackwardError);
   if (error.row >= 0) {
     errors.worst = {
-        .row = error.row, .z = answer.z(error.row), .w = to_double(error.w[static_cast<std::size_t>(error.row)])};
+        .row = error.row,
+        .z = answer.z(error.row),
+        .w = to_double(error.w[static_cast<std::size_t>(error.row)]),
+        .scale = to_double(error.scale)};
   }
   return errors;
 }
@@ -102,8 +105,11 @@ Judgement Evaluator::judge(const Answer& answer) {
   Judgement judgement;
   judgement.errors = errors(answer);
   judgement.proof_holds = answer.farkas.size() > 0 && check_farkas(answer.farkas);
-  if (const ContactProblem* contact = data_->problem.contact(); contact != nullptr && judgement.proof_holds) {
+  if (!judgement.proof_holds) return judgement;
+  if (const ContactProblem* contact = data_->problem.contact(); contact != nullptr) {
     judgement.errors.least_violation_m_per_s = least_violation(*contact, answer.farkas);
+  } else {
+    judgement.errors.proof_margin = proof_margin(data_->problem.lcp(), answer.farkas);
   }
   return judgement;
 }

@@ -25,7 +25,7 @@ struct WorstRow {
   double z = kNone;
   double w = kNone;
   double residual = kNone;  ///< [m/s]; contact problems only
-  double scale = kNone;     ///< of the row's island [m/s]; contact problems only
+  double scale = kNone;     ///< what the residual is relative to: of the island [m/s]; of a bare LCP of the row
   // Of a cone row: how its contact moves, and what it carries. But for the slip, of the cone and the convex model only.
   double slip = kNone;        ///< sliding speed, with offsets and compliance [m/s]
   double separation = kNone;  ///< w_N [m/s]
@@ -76,6 +76,8 @@ struct Errors {
   /// Of a valid proof u that came with an answer to a contact problem, -u'(N'v + b) / sum(u): no impulses violate all
   /// contacts by less. Rounded down.
   double least_violation_m_per_s = kNone;
+  /// Of a valid proof that came with an answer to a bare LCP: see lcpbench::proof_margin().
+  double proof_margin = kNone;
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
@@ -112,7 +114,7 @@ struct Metric {
 
 /// The version of the store's format. It rises when the meaning of a verdict, the stored measures below or the store's
 /// schema change, so that answers judged by two definitions do not meet in one store.
-inline constexpr std::int64_t kVerdictVersion = 11;
+inline constexpr std::int64_t kVerdictVersion = 12;
 
 /// Every measure, in the order of the columns. All code that writes, reads, merges or prints all measures uses this
 /// table.
@@ -130,6 +132,7 @@ inline constexpr std::array kMetrics{
     Metric{"min_z", &Errors::min_z},
     Metric{"returned_velocity_error", &Errors::returned_velocity_error},
     Metric{"least_violation_m_per_s", &Errors::least_violation_m_per_s},
+    Metric{"proof_margin", &Errors::proof_margin},
     Metric{"velocity_mismatch", &Errors::velocity_mismatch, false},
     Metric{"optimum_distance", &Errors::optimum_distance, false},
 };
@@ -146,7 +149,7 @@ enum class Truth {
   kUnknown,
   kSolvable,
   kUnsolvable,
-  kNearly,    ///< it is proven to have no exact solution, and a passing answer is known
+  kNearly,    ///< it is proven to have no exact solution, and a passing answer is known; of a bare LCP: by little
   kAnswered,  ///< nothing is proven, and a passing answer is known: "unknown" to all readers
 };
 
@@ -155,8 +158,10 @@ const char* to_string(Truth truth);
 
 /// The kinds of evidence for a problem's truth.
 enum class Evidence {
+  kClearProof,  ///< that a bare LCP has no solution: valid, and its margin is above the verdict's bound
+  kCloseProof,  ///< the same with a smaller margin
   kCertifiedUnsolvable,
-  kValidProof,  ///< that came with an answer
+  kValidProof,  ///< that came with an answer to contacts
   kTheory,      ///< see Evaluator::truth
   kCertifiedSolution,
   kSolvedAnswer,
@@ -170,6 +175,8 @@ struct TruthRule {
 };
 
 inline constexpr std::array kTruthRules{
+    TruthRule{Evidence::kClearProof, Truth::kUnsolvable},
+    TruthRule{Evidence::kCloseProof, Truth::kNearly},
     TruthRule{Evidence::kCertifiedUnsolvable, Truth::kNearly, Evidence::kSolvedAnswer},
     TruthRule{Evidence::kValidProof, Truth::kNearly, Evidence::kSolvedAnswer},
     TruthRule{Evidence::kCertifiedUnsolvable, Truth::kUnsolvable},
@@ -184,6 +191,8 @@ class Findings {
   void add(Evidence evidence) { found_.set(static_cast<std::size_t>(evidence)); }
   /// What the answer adds.
   void add(const Judgement& judgement);
+  /// A valid proof. @param evidence  what it is for contacts @param margin  of a bare LCP; else NaN
+  void add_proof(Evidence evidence, double margin);
   bool has(Evidence evidence) const { return found_.test(static_cast<std::size_t>(evidence)); }
   /// By the rule.
   Truth truth() const;

@@ -89,9 +89,9 @@ const ReturnedVelocity::ImpulseScale& ReturnedVelocity::impulse_scale() {
     }
     for (std::size_t i = 0; i < v.size(); ++i) {
       if (v[i] == 0 && is_finite(momentum[i])) continue;
-      scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[i] + 1)].size += v[i] * momentum[i];
+      scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[i] + 1)].energy += v[i] * momentum[i];
     }
-    for (IslandImpulses& island : scale.islands) island.size = sqrt(island.size);
+    for (IslandImpulses& island : scale.islands) island.size = sqrt(island.energy);
   }
   const ContactLayout& layout = contact_.lcp->layout();
   for (Index contact = 0; contact < layout.nc; ++contact) {
@@ -123,11 +123,16 @@ ReturnedVelocity::Response ReturnedVelocity::respond(std::size_t coordinate) {
   return response;
 }
 
-/// (|v| + |G*| |J| |f|)_i + rounding_i / kSolvedReturnedVelocity: an error by rounding alone passes.
+/// (|v| + |G*| |J| |f|)_i + rounding_i / kSolvedReturnedVelocity, so that an error by rounding alone passes; at least
+/// kEnergyShare of what the energy of the island could give the coordinate.
 Quad ReturnedVelocity::scale_of(std::size_t coordinate) {
+  constexpr double kEnergyShare = 1e-8;
   const Response response = respond(coordinate);
-  return abs(contact_.lcp->velocity_before()[coordinate]) + response.to_impulses +
-         rounding(coordinate, response) / Quad{kSolvedReturnedVelocity};
+  const ImpulseScale& scale = impulse_scale();
+  const Quad energy = scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[coordinate] + 1)].energy;
+  return larger(abs(contact_.lcp->velocity_before()[coordinate]) + response.to_impulses +
+                    rounding(coordinate, response) / Quad{kSolvedReturnedVelocity},
+                Quad{kEnergyShare} * sqrt(response.own * energy));
 }
 
 void ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
@@ -136,13 +141,14 @@ void ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
   if (returned.size() == contact_.problem.ngc() && returned.allFinite()) {
     errors.velocity_mismatch = mismatch(returned);
     const QuadVector& v = contact_.lcp->velocity_before();
+    constexpr double kLeastSpeed = 1e-8;  // m/s or rad/s
     Quad largest = 0;
     for (std::size_t i = 0; i < v.size(); ++i) {
       const double given = returned(static_cast<Index>(i));
       const Quad apart = abs(Quad{given} - v_plus_[i]);
       if (apart == 0) continue;
-      Quad error = quotient(apart, abs(v[i]) + abs(v_plus_[i] - v[i]));
-      if (!(error <= kSolvedReturnedVelocity)) error = quotient(apart, scale_of(i));
+      Quad error = apart / larger(kLeastSpeed, abs(v[i]) + abs(v_plus_[i] - v[i]));
+      if (!(error <= kSolvedReturnedVelocity)) error = apart / larger(kLeastSpeed, scale_of(i));
       if (!is_finite(error)) error = std::numeric_limits<double>::infinity();  // NaN, too
       if (error > largest) {
         errors.worst_coordinate = {static_cast<Index>(i), given, to_double(v_plus_[i])};

@@ -23,7 +23,8 @@ class ReturnedVelocity {
   double mismatch(const Vector& returned) const;
   /// Sums over an island.
   struct IslandImpulses {
-    Quad size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
+    Quad energy = 0;   ///< v'G v; 0 where only G* is known
+    Quad size = 0;     ///< its root + sum_j sqrt(M_jj) |f_j|
     double count = 0;  ///< of the f_j that are not zero
     double coordinates = 0;
     Quad change = 0;  ///< the largest sqrt(G_ii) |v+ - v|_i

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "study/evaluation/evaluation.h"
 
@@ -15,8 +16,13 @@ const char* to_string(Truth truth) {
 }
 
 void Findings::add(const Judgement& judgement) {
-  if (judgement.proof_holds) add(Evidence::kValidProof);
+  if (judgement.proof_holds) add_proof(Evidence::kValidProof, judgement.errors.proof_margin);
   if (judgement.errors.solved) add(Evidence::kSolvedAnswer);
+}
+
+void Findings::add_proof(Evidence evidence, double margin) {
+  if (!std::isnan(margin)) evidence = margin > kSolvedBackwardError ? Evidence::kClearProof : Evidence::kCloseProof;
+  add(evidence);
 }
 
 Truth Findings::truth() const {

@@ -13,11 +13,11 @@ using sqlite::Statement;
 /// Rows come in the order of the keys of problems and answers, without sorting: the condition on the set uses no index.
 std::string scan_query() {
   return "SELECT p.id, p.set_id, p.seed, p.trial, p.kind, p.n, p.ngc, p.nc, p.free_bodies, p.hash, p.theory, "
-         "k.certificate, k.least, "
+         "k.certificate, k.least, k.proof_margin, "
          "a.solver_id, a.part, a.group_id, a.claim, a.iterations, a.pivots, a.factorizations, a.detail, c.friction, "
          "v.farkas_checked, v.worst_row, v.usable, v.solved, v.criterion, " + metric_columns() + ", "
          "t.repeats, t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s "
-         "FROM problems p LEFT JOIN (SELECT problem_id, certificate, least_violation_m_per_s AS least "
+         "FROM problems p LEFT JOIN (SELECT problem_id, certificate, least_violation_m_per_s AS least, proof_margin "
          "FROM certificates) k ON k.problem_id = p.id "
          "LEFT JOIN answers a ON a.problem_id = p.id "
          "LEFT JOIN parameterisations c ON c.solver_id = a.solver_id AND c.cell = a.part "
@@ -28,8 +28,8 @@ std::string scan_query() {
 
 // Places of columns in the query.
 constexpr int kCertificate = 11;
-constexpr int kAnswer = 13;
-constexpr int kVerdict = 22;
+constexpr int kAnswer = 14;
+constexpr int kVerdict = 23;
 
 }  // namespace
 
@@ -54,7 +54,9 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
     Findings findings;
     if (row.theory == to_string(Truth::kSolvable)) findings.add(Evidence::kTheory);
     if (query.text(kCertificate) == "solution") findings.add(Evidence::kCertifiedSolution);
-    if (query.text(kCertificate) == "unsolvable") findings.add(Evidence::kCertifiedUnsolvable);
+    if (query.text(kCertificate) == "unsolvable") {
+      findings.add_proof(Evidence::kCertifiedUnsolvable, query.real(kCertificate + 2));
+    }
     const double least_violation = query.real(kCertificate + 1);
     std::size_t count = 0;
     for (; more && query.integer(0) == row.id; more = query.step()) {
@@ -105,7 +107,7 @@ void AnswerScan::read_answer(const Statement& query, const ProblemRow& of, Store
   }
   // An answer to the cone or the convex model proves nothing about the pyramid's problem, and nothing proves it wrong.
   const bool other_model = of.nc > 0 && of.n > of.nc && friction != to_string(FrictionModel::kPyramid);
-  if (proof_holds) findings.add(Evidence::kValidProof);
+  if (proof_holds) findings.add_proof(Evidence::kValidProof, errors.proof_margin);
   if (!other_model) findings.add({.errors = errors});
   answer.truth = other_model ? Truth::kUnknown : Truth::kSolvable;
 

@@ -106,9 +106,9 @@ const std::vector<Table>& tables() {
        "(m.certificate <> i.certificate AND 'open' NOT IN (m.certificate, i.certificate)) OR "
        "m.velocity_unique <> i.velocity_unique OR "
        "(m.velocity_unique = 1 AND i.velocity_unique = 1 AND m.velocity <> i.velocity)",
-       "UPDATE SET (certificate, proof, velocity, velocity_unique, least_violation_m_per_s, detail, checksum) = "
-       "(excluded.certificate, excluded.proof, excluded.velocity, excluded.velocity_unique, "
-       "excluded.least_violation_m_per_s, excluded.detail, excluded.checksum) "
+       "UPDATE SET (certificate, proof, velocity, velocity_unique, least_violation_m_per_s, proof_margin, detail, "
+       "checksum) = (excluded.certificate, excluded.proof, excluded.velocity, excluded.velocity_unique, "
+       "excluded.least_violation_m_per_s, excluded.proof_margin, excluded.detail, excluded.checksum) "
        "WHERE certificates.certificate = 'open' AND excluded.certificate <> 'open'"},
       {"proofs", {"problem_id"}, {}, "''"},
       {kCertificateTimings,

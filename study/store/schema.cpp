@@ -106,6 +106,7 @@ CREATE TABLE IF NOT EXISTS certificates (
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
   velocity_unique INTEGER,      -- 1: every solution has this v+; 0: some solution has another; NULL: not known
   least_violation_m_per_s REAL, -- contacts, by "farkas": any impulses violate one by at least this; else NULL
+  proof_margin REAL,            -- bare LCPs, by "farkas": by so much it misses a solution; else NULL
   detail TEXT NOT NULL,
   checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS proofs (
@@ -167,7 +168,16 @@ const char* state_of(Truth truth) { return truth == Truth::kAnswered ? "answered
 
 /// Whether there is this evidence about the problem of a row p of `problems`.
 std::string condition_of(Evidence evidence) {
+  const auto proof_by_margin = [](std::string_view comparison) {
+    return fmt::format(
+        "(EXISTS (SELECT 1 FROM certificates c WHERE c.problem_id = p.id AND c.certificate = 'unsolvable' AND "
+        "c.proof_margin {0} {1}) OR EXISTS (SELECT 1 FROM verdicts v WHERE v.problem_id = p.id AND v.farkas_checked = 1 "
+        "AND v.proof_margin {0} {1}))",
+        comparison, kSolvedBackwardError);
+  };
   switch (evidence) {
+    case Evidence::kClearProof: return proof_by_margin(">");
+    case Evidence::kCloseProof: return proof_by_margin("<=");
     case Evidence::kCertifiedUnsolvable:
       return "EXISTS (SELECT 1 FROM certificates c WHERE c.problem_id = p.id AND c.certificate = 'unsolvable')";
     case Evidence::kValidProof:
