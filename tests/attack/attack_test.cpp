@@ -37,6 +37,31 @@ TEST(AttackTest, KnowsTheTruthOfBareLcps) {
   }
 }
 
+TEST(AttackTest, KnowsTheTruthOfMixedLcps) {
+  for (const Known& known : {
+           Known{R"("M":[[-1]],"q":[-1],"lower":[0],"upper":[2])", Truth::kSolvable},  // at the upper bound
+           Known{R"("M":[[-1]],"q":[-1],"lower":[0],"upper":[null])", Truth::kUnsolvable},
+           Known{R"("M":[[0]],"q":[-4.9e-324],"lower":[null],"upper":[null])", Truth::kUnsolvable},
+           Known{R"("M":[[0]],"q":[-1],"lower":[null],"upper":[-3])", Truth::kSolvable},
+           Known{R"("M":[[0]],"q":[1],"lower":[null],"upper":[-3])", Truth::kUnsolvable},
+           Known{R"("M":[[0,1],[1,0]],"q":[0,-5],"lower":[2,1],"upper":[2,null])", Truth::kUnsolvable},
+           Known{R"("M":[[0,1],[1,0]],"q":[0,-2],"lower":[2,1],"upper":[2,null])", Truth::kSolvable},
+           // Friction of 0.5 times two, and a row that it does not move: it slides.
+           Known{R"("M":[[1,0],[0,0]],"q":[-2,1.25],"lower":[0,null],"upper":[null,null],"friction_of":[null,0],)"
+                 R"("mu":[null,0.5])",
+                 Truth::kSolvable},
+           // z_1 = -2, where w_1 would vanish, is beyond the limit; the other sign is at it.
+           Known{R"("M":[[1,0],[0,-1]],"q":[-2,-2],"lower":[0,null],"upper":[2,null],"friction_of":[null,0],)"
+                 R"("mu":[null,0.5])",
+                 Truth::kSolvable},
+           Known{R"("M":[[1,4],[0,0]],"q":[-2,1],"lower":[0,null],"upper":[null,null],"friction_of":[null,0],)"
+                 R"("mu":[null,0.5])",
+                 Truth::kUnsolvable},
+       }) {
+    EXPECT_EQ(truth_of("lcp", known).truth, known.truth) << known.data;
+  }
+}
+
 TEST(AttackTest, KnowsTheTruthOfContacts) {
   for (const Known& known : {
            Known{R"("v":[-1],"N":[[1]],"G":[[1]])", Truth::kSolvable},
@@ -64,6 +89,7 @@ std::string hash_of_first(Family family, std::uint64_t count) {
 
 TEST(AttackTest, ProblemsAreTheSameOnEveryMachine) {
   EXPECT_EQ(hash_of_first(Family::kLcp, 510), "7529421033780266178");
+  EXPECT_EQ(hash_of_first(Family::kMixed, 510), "14826116895335564766");
   EXPECT_EQ(hash_of_first(Family::kContact, 450), "7306394478572106017");
   EXPECT_EQ(hash_of_first(Family::kDoubtful, 400), "16329457992780977348");
 }

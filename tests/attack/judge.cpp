@@ -107,6 +107,8 @@ struct Judge::Data {
   // Bare LCP
   DyadicMatrix M;
   DyadicVector q;
+  bool mixed = false;
+  LcpBounds bounds;
   std::vector<Part> parts;  // islands or blocks
 
   // Contact problem
@@ -129,9 +131,33 @@ struct Judge::Data {
     }
     M = exact(problem.lcp().M);
     q = exact(problem.lcp().q);
+    mixed = problem.lcp().is_mixed();
+    bounds = problem.lcp().bounds;
     Groups groups(problem.size());
     join_columns(M, 0, 0, groups);
     for (std::vector<Index>& rows : groups.members()) parts.push_back({{}, std::move(rows)});
+  }
+
+  /// p_j: the number within the bounds of z_j that is nearest to zero.
+  Dyadic nearest_to_zero(Index j) const {
+    if (!mixed || bounds.friction_of[at(j)] >= 0) return {};
+    return Dyadic(bounds.lower(j) > 0 ? bounds.lower(j) : bounds.upper(j) < 0 ? bounds.upper(j) : 0.0);
+  }
+
+  /// The middle one of c (z_i - lower), c (z_i - upper) and w.
+  Dyadic violation(Index i, const DyadicVector& z, const Dyadic& c, const Dyadic& w) const {
+    const auto within = [&](const Dyadic& lower, const Dyadic& upper) {  // not of friction: lower <= upper
+      return max(c * (z[at(i)] - upper), min(w, c * (z[at(i)] - lower)));
+    };
+    if (!mixed) return min(c * z[at(i)], w);
+    if (const int of = bounds.friction_of[at(i)]; of >= 0) {
+      const Dyadic limit = abs(Dyadic(bounds.mu(i)) * z[at(of)]);
+      return within(-limit, limit);
+    }
+    const bool has_lower = std::isfinite(bounds.lower(i)), has_upper = std::isfinite(bounds.upper(i));
+    if (has_lower && has_upper) return within(Dyadic(bounds.lower(i)), Dyadic(bounds.upper(i)));
+    if (has_lower) return min(w, c * (z[at(i)] - Dyadic(bounds.lower(i))));
+    return has_upper ? max(w, c * (z[at(i)] - Dyadic(bounds.upper(i)))) : w;
   }
 
   void load(const ContactProblem& contact) {
@@ -395,23 +421,39 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
 }
 
 bool Judge::block_solved(const DyadicVector& z, const std::vector<Index>& block) const {
+  struct Row {
+    Dyadic w, terms, norm, size;
+  };
   const Data& data = *data_;
-  const Dyadic tolerance(kSolvedBackwardError);
-  Dyadic largest;
-  for (const Index i : block) largest = max(largest, abs(z[at(i)]));
-  bool solved = true;
+  std::vector<Row> rows;
+  Dyadic largest;        // size
+  std::size_t most = 0;  // the row of the largest size / norm
   for (const Index i : block) {
-    Dyadic w = data.q[at(i)];
-    Dyadic norm;
+    const Dyadic& q = data.q[at(i)];
+    Row row{q, abs(q), {}, abs(q)};
     for (const Index j : block) {
-      w = w + data.M(i, j) * z[at(j)];
-      norm = norm + abs(data.M(i, j));
+      const Dyadic entry = abs(data.M(i, j));
+      row.w = row.w + data.M(i, j) * z[at(j)];
+      row.terms = row.terms + entry * abs(z[at(j)]);
+      row.norm = row.norm + entry;
+      row.size = row.size + entry * abs(data.nearest_to_zero(j));
     }
-    if (norm.sign() == 0) norm = Dyadic(1.0);
-    const Dyadic violation = abs(min(norm * z[at(i)], w));
-    const Dyadic scale = abs(data.q[at(i)]) + norm * largest;
-    solved = solved && violation <= tolerance * scale;
-    measure_ = std::max(measure_, quotient(violation, scale));
+    if (row.norm.sign() == 0) row.norm = Dyadic(1.0);
+    largest = max(largest, row.size);
+    rows.push_back(std::move(row));
+    if (rows[most].size * rows.back().norm < rows.back().size * rows[most].norm) most = rows.size() - 1;
+  }
+  const Dyadic tolerance(kSolvedBackwardError);
+  bool solved = true;
+  for (std::size_t k = 0; k < block.size(); ++k) {
+    const Row& row = rows[k];
+    const Dyadic violation = abs(data.violation(block[k], z, row.norm, row.w));
+    const Dyadic hundredfold = Dyadic(100.0) * violation;
+    const Dyadic shared = row.norm * rows[most].size, of_shared = hundredfold * rows[most].norm;
+    const bool by_floor = hundredfold <= tolerance * largest && of_shared <= tolerance * shared;
+    solved = solved && (violation <= tolerance * row.terms || by_floor);
+    measure_ = std::max(measure_, std::min(quotient(violation, row.terms),
+                                           std::max(quotient(hundredfold, largest), quotient(of_shared, shared))));
   }
   return solved;
 }

@@ -9,7 +9,7 @@
 namespace lcpbench::attack {
 
 /// The verdict's measure of an answer in exact arithmetic, written anew from docs/explanation/verdicts.md: rho by
-/// island for contact problems, eta by block for bare LCPs.
+/// island for contact problems, eta by row for bare LCPs, mixed or not.
 class Judge {
  public:
   /// By which friction an answer to contacts is measured. Round cones need contacts of 4 edges, or of none.
@@ -18,7 +18,7 @@ class Judge {
   explicit Judge(const Problem& problem);
   ~Judge();
 
-  /// Whether z solves the problem by the definition of the verdict: rho <= 1e-4, or eta <= 1e-9.
+  /// Whether z solves the problem by the definition of the verdict: rho <= 1e-4, or eta <= 1e-6.
   bool solves(const Vector& z, Friction friction = Friction::kPyramid) const;
 
   /// Whether a returned velocity u is that of z, v(z) = v + G* J f: in every coordinate
@@ -32,7 +32,7 @@ class Judge {
   /// More than the bound of velocity_holds, by coordinate. @pre z has n finite entries
   Vector beyond_velocity(const Vector& z) const;
 
-  /// Whether numerators / denominator is a solution without any tolerance. @pre denominator > 0
+  /// Whether numerators / denominator is a solution without any tolerance. Not of mixed LCPs. @pre denominator > 0
   bool is_exact_solution(const Integers& numerators, const Integer& denominator) const;
 
   /// [q M], times the positive denominator of G* for contact problems.

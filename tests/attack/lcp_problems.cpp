@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "tests/attack/problems.h"
 
@@ -369,5 +370,41 @@ const std::vector<std::string>& lcp_kinds() {
 }
 
 Lcp make_lcp_of_kind(std::size_t kind, Draw& draw) { return kKinds[kind].make(draw); }
+
+/// One of that kind, with other bounds.
+Lcp make_mixed_of_kind(std::size_t kind, Draw& draw) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  Lcp lcp = make_lcp_of_kind(kind, draw);
+  while (lcp.size() == 0 || lcp.size() > 4) lcp = make_lcp_of_kind(kind, draw);
+  const Index n = lcp.size();
+  lcp.bounds = LcpBounds::nonnegative(n);
+  const int bits = draw.chance(3, 4) ? 0 : draw.chance(3, 4) ? 30 : 900;
+  const auto bound = [&] {
+    const double size = draw.small(3);
+    return size * draw.power_of_two(-bits, bits);
+  };
+  for (Index i = 0; i < n; ++i) {
+    double &lower = lcp.bounds.lower(i), &upper = lcp.bounds.upper(i);
+    switch (draw.integer(0, 4)) {
+      case 0: lower = -kNone; break;
+      case 1: lower = bound(); break;
+      case 2: lower = -kNone, upper = bound(); break;
+      case 3: std::tie(lower, upper) = std::minmax({bound(), bound()}); break;
+      default: break;
+    }
+  }
+  const Index of = draw.index(0, n - 1);
+  const bool has_friction = draw.chance(1, 3);
+  if (has_friction && lcp.bounds.upper(of) >= 0) lcp.bounds.lower(of) = std::max(lcp.bounds.lower(of), 0.0);
+  for (Index i = 0; has_friction && lcp.bounds.lower(of) >= 0 && i < n; ++i) {
+    if (i == of || draw.chance(1, 3)) continue;
+    lcp.bounds.lower(i) = -kNone;
+    lcp.bounds.upper(i) = kNone;
+    lcp.bounds.friction_of[static_cast<std::size_t>(i)] = static_cast<int>(of);
+    lcp.bounds.mu(i) = std::abs(bound()) / 2;
+  }
+  lcp.bounds.simplify();
+  return lcp;
+}
 
 }  // namespace lcpbench::attack

@@ -9,7 +9,7 @@
 namespace lcpbench::attack {
 
 const char* to_string(Family family) {
-  constexpr const char* kNames[] = {"lcp", "contact", "soft", "doubtful"};
+  constexpr const char* kNames[] = {"lcp", "mixed", "contact", "soft", "doubtful"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -20,7 +20,8 @@ const std::vector<std::string>& kinds(Family family) {
     return all;
   }();
   if (family == Family::kSoft) return soft;
-  return family == Family::kLcp ? lcp_kinds() : family == Family::kContact ? contact_kinds() : doubtful_kinds();
+  const bool bare = family == Family::kLcp || family == Family::kMixed;
+  return bare ? lcp_kinds() : family == Family::kContact ? contact_kinds() : doubtful_kinds();
 }
 
 double Draw::power_of_two(int low, int high) { return std::ldexp(1.0, static_cast<int>(integer(low, high))); }
@@ -97,14 +98,14 @@ bool admissible(const Lcp& lcp) { return lcp.M.allFinite() && lcp.q.allFinite();
 }  // namespace
 
 Problem generate(Family family, std::uint64_t seed, std::uint64_t index) {
-  const bool bare = family == Family::kLcp;
+  const bool mixed = family == Family::kMixed, bare = mixed || family == Family::kLcp;
   const TrialKey key{stream_id(std::string("attack/") + to_string(family)), seed, index};
   const std::size_t kind = index % kinds(family).size();
-  const std::string name = "attack-" + kinds(family)[kind] + "-" + std::to_string(seed) + "-" + std::to_string(index);
+  const std::string name = std::string(mixed ? "attack-mixed-" : "attack-") + kinds(family)[kind] + "-" + std::to_string(seed) + "-" + std::to_string(index);
   for (std::uint64_t attempt = 0;; ++attempt) {
     Draw draw(key, attempt);
     if (bare) {
-      Lcp lcp = make_lcp_of_kind(kind, draw);
+      Lcp lcp = mixed ? make_mixed_of_kind(kind, draw) : make_lcp_of_kind(kind, draw);
       if (admissible(lcp)) return Problem(name, std::move(lcp));
     } else {
       const bool doubtful = family == Family::kDoubtful || kind >= contact_kinds().size();

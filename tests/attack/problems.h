@@ -13,20 +13,21 @@ namespace lcpbench::attack {
 
 enum class Family {
   kLcp,
+  kMixed,     ///< LCPs with bounds of every kind, and rows of friction
   kContact,
   kSoft,      ///< the problems of the other two kinds of contacts, with compliance and tangential offsets
   kDoubtful,  ///< contact problems whose rank, scale or solvability is in doubt when it is computed in double
 };
 
-inline constexpr Family kFamilies[] = {Family::kLcp, Family::kContact, Family::kSoft, Family::kDoubtful};
+inline constexpr Family kFamilies[] = {Family::kLcp, Family::kMixed, Family::kContact, Family::kSoft, Family::kDoubtful};
 
-/// "lcp", "contact", "soft", "doubtful".
+/// "lcp", "mixed", "contact", "soft", "doubtful".
 const char* to_string(Family family);
 
 /// The names of the kinds of a family, in the order in which they take turns: problem i is of kind i mod their number.
 const std::vector<std::string>& kinds(Family family);
 
-/// Problem `index` of the family. LCPs have n <= 8; contacts ngc <= 8, nc <= 8 and 0, 2 or 4 edges each.
+/// Problem `index` of the family. LCPs have n <= 8, mixed ones n <= 4; contacts ngc <= 8, nc <= 8 and 0, 2 or 4 edges each.
 Problem generate(Family family, std::uint64_t seed, std::uint64_t index);
 
 /// The draws of one problem.
@@ -59,6 +60,7 @@ Matrix product(const Matrix& A, const Matrix& B);
 
 /// Of each kind of a family, by number. What a maker returns may be refused, and is then drawn again.
 Lcp make_lcp_of_kind(std::size_t kind, Draw& draw);
+Lcp make_mixed_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_contact_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_doubtful_of_kind(std::size_t kind, Draw& draw);
 const std::vector<std::string>& lcp_kinds();

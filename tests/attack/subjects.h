@@ -24,7 +24,7 @@ enum class Outcome {
   kOpen,               ///< no claim, and there is no solution, or none that is known
   kRefused,            ///< the solver does not take such problems
   kUnresolved,         ///< contacts, and the evaluation says that it cannot resolve the inertia
-  kFalseSolved,        ///< claimed solved, and rho > 1e-4 or eta > 1e-9, or z is no answer
+  kFalseSolved,        ///< claimed solved, and rho > 1e-4 or eta > 1e-6, or z is no answer
   kFalseVelocity,      ///< claimed solved, and the returned velocity is not that of the impulses
   kFalseUnsolvable,    ///< claimed unsolvable, and there is a solution
   kFalseProven,        ///< the answer says "proven", and its vector proves nothing exactly
@@ -42,7 +42,7 @@ constexpr bool contradiction(Outcome outcome) { return outcome >= Outcome::kFals
 /// How a solver gets to a problem.
 enum class Approach {
   kLoad,    ///< load(), solve()
-  kUpdate,  ///< load() with another velocity, solve(), update(): contact problems; of a bare LCP as kLoad
+  kUpdate,  ///< load() with another velocity, solve(), update(): contact problems; of an LCP as kLoad
   kStart,   ///< load(), solve() from a start that has nothing to do with the problem
 };
 
@@ -63,7 +63,7 @@ struct Target {
   ExactTruth truth;
   Judge judge;
   Evaluator evaluator;
-  bool passes = false;      ///< some answer so far has rho <= 1e-4
+  bool passes = false;      ///< some answer so far has rho <= 1e-4, or eta <= 1e-6
   bool unresolved = false;  ///< the evaluation could not judge some answer so far
 };
 

@@ -18,6 +18,7 @@ target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_io CLI11::CLI11 Th
 
 # The fast share. results/validate/README.md has the long runs.
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
+add_test(NAME attack_mixed COMMAND attack --kind mixed --problems 850 --seed 15)
 add_test(NAME attack_contact COMMAND attack --kind contact --problems 900 --seed 15)
 add_test(NAME attack_soft COMMAND attack --kind soft --problems 700 --seed 15)
 # Under sanitizers fewer: they take four times as long, and see the same code.

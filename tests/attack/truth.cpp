@@ -41,9 +41,57 @@ Truth find_complementary_point(Inequalities& inequalities, int& nodes) {
   return Truth::kUnsolvable;
 }
 
+/// [q M] of a bare LCP whose solutions are those of the mixed one: two unknowns for one that is free or a friction
+/// impulse, a slack for a second bound, and a multiplier for the limit of a friction impulse.
+DyadicMatrix rows_of_mixed(const Lcp& lcp) {
+  struct Unknown {
+    Index row;
+    Dyadic sign;
+  };
+  const LcpBounds& bounds = lcp.bounds;
+  const Index n = lcp.size();
+  std::vector<Unknown> unknowns;
+  DyadicVector origin(at(n));
+  Index limits = 0;
+  for (Index i = 0; i < n; ++i) {
+    const bool has_lower = std::isfinite(bounds.lower(i)), has_upper = std::isfinite(bounds.upper(i));
+    if (has_lower || has_upper) origin[at(i)] = Dyadic(has_lower ? bounds.lower(i) : bounds.upper(i));
+    const bool is_fixed = has_lower && bounds.lower(i) == bounds.upper(i);
+    if (!is_fixed && (has_lower || !has_upper)) unknowns.push_back({i, Dyadic(1.0)});
+    if (!is_fixed && !has_lower) unknowns.push_back({i, Dyadic(-1.0)});
+    limits += (has_lower && has_upper && !is_fixed) || bounds.friction_of[at(i)] >= 0 ? 1 : 0;
+  }
+  const DyadicMatrix M = exact(lcp.M);
+  const DyadicVector at_origin = product(M, origin);
+  const auto count = static_cast<Index>(unknowns.size());
+  DyadicMatrix rows(count + limits, count + limits + 1);
+  for (Index a = 0; a < count; ++a) {
+    const auto& [i, sign] = unknowns[at(a)];
+    rows(a, 0) = sign * (Dyadic(lcp.q(i)) + at_origin[at(i)]);
+    for (Index b = 0; b < count; ++b) rows(a, b + 1) = sign * unknowns[at(b)].sign * M(i, unknowns[at(b)].row);
+  }
+  Index limit = count;
+  for (Index i = 0; i < n; ++i) {
+    const int of = bounds.friction_of[at(i)];
+    const bool is_range = std::isfinite(bounds.lower(i)) && bounds.lower(i) < bounds.upper(i) &&
+                          std::isfinite(bounds.upper(i));
+    if (of < 0 && !is_range) continue;
+    const Dyadic mu(of >= 0 ? bounds.mu(i) : 0.0);
+    rows(limit, 0) = of >= 0 ? mu * origin[at(of)] : Dyadic(bounds.upper(i)) - Dyadic(bounds.lower(i));
+    for (Index a = 0; a < count; ++a) {
+      if (unknowns[at(a)].row == of) rows(limit, a + 1) = mu * unknowns[at(a)].sign;
+      if (unknowns[at(a)].row != i) continue;
+      rows(limit, a + 1) = Dyadic(-1.0);
+      rows(a, limit + 1) = Dyadic(1.0);
+    }
+    ++limit;
+  }
+  return rows;
+}
+
 ExactTruth lcp_truth(const Problem& problem) {
   const Lcp& lcp = problem.lcp();
-  const DyadicMatrix rows = beside(exact(lcp.q), exact(lcp.M));
+  const DyadicMatrix rows = lcp.is_mixed() ? rows_of_mixed(lcp) : beside(exact(lcp.q), exact(lcp.M));
   Inequalities inequalities(rows);
   if (!inequalities.feasible()) return {Truth::kUnsolvable};
   int nodes = std::numeric_limits<int>::max();

@@ -11,7 +11,7 @@ struct ExactTruth {
   Truth truth = Truth::kUnknown;
 };
 
-/// Bare LCP: always known. Every complementary cone is examined, by branching over the pairs; at each node an exact
+/// Bare LCP, mixed or not: always known. Every complementary cone is examined, by branching over the pairs; at each node an exact
 /// linear program decides whether the inequalities with the imposed zeros have a point.
 ///
 /// Contact problem: positive definite inertia (leading minors) makes it solvable. Reduced rank, P'f = 0 meaning that f
