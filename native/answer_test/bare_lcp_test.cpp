@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/answer/exact_sum.h"
+#include "core/answer/lcp_error.h"
 
 namespace lcpbench {
 namespace {
@@ -21,8 +22,12 @@ constexpr double kLargestSafe = 0x1p900;
 /// A w_i or z_i of less than this, relative to its scale, may vanish or be negative in the exact solution of a basis.
 constexpr double kClear = 1e-6;
 
-/// Rows whose w_i exceeds this, relative to its scale, have no part in a proof against an answer that almost solves.
-constexpr double kSlack = 1e-6;
+/// By which part of itself the exact solution of a basis may be away, at most.
+constexpr double kLargestChange = 1e-2;
+
+/// Rows whose w_i exceeds this, relative to its scale, have no part in a proof u against an answer that almost solves:
+/// u'w < 0 with w_i no lower than -kClaimedBackwardError leaves them a share of 1/2000 of it.
+constexpr double kSlack = 2000 * kClaimedBackwardError;
 
 /// Orders up to which a basis is inverted to see whether it gives a solution.
 constexpr Index kLargestInverted = 32;
@@ -32,15 +37,31 @@ constexpr Index kLargestInverted = 32;
 void BareLcpTest::load(const Lcp& lcp) {
   const Index n = lcp.size();
   lcp_ = &lcp;
-  find_row_islands(lcp.M, islands_, support_);
-  row_norm_ = lcp.M.cwiseAbs().rowwise().sum();
-  row_norm_ = (row_norm_.array() == 0).select(1.0, row_norm_);
-  w_.resize(n);
-  basis_.resize(n);
-  largest_.resize(static_cast<std::size_t>(islands_.count));
+  norm_.assign(static_cast<std::size_t>(n), 0);
+  const Vector norms = lcp.M.cwiseAbs().rowwise().sum();
+  for (Index i = 0; i < n; ++i) {
+    Quad& norm = norm_[static_cast<std::size_t>(i)] = norms(i);
+    if (norm == 0) norm = 1;
+    if (std::isfinite(norms(i))) continue;
+    norm = 0;
+    for (const double entry : lcp.M.row(i)) norm += std::abs(entry);
+  }
+  least_scale_ = lcp_floors(lcp, row_islands(lcp.M), norm_);
+  for (Quad& floor : least_scale_) floor *= kLcpFloorShare;
+  for (Vector* vector : {&w_, &terms_, &basis_}) vector->resize(n);
   support_.reserve(static_cast<std::size_t>(n));
   candidates_.resize(static_cast<std::size_t>(n));
   search_.load(lcp);
+}
+
+void BareLcpTest::evaluate(const Vector& z) {
+  w_ = lcp_->q;
+  terms_ = w_.cwiseAbs();
+  for (Index j = 0; j < z.size(); ++j) {
+    if (z(j) == 0) continue;
+    w_ += z(j) * lcp_->M.col(j);
+    terms_ += z(j) * lcp_->M.col(j).cwiseAbs();
+  }
 }
 
 double BareLcpTest::backward_error(const Vector& z) {
@@ -48,52 +69,43 @@ double BareLcpTest::backward_error(const Vector& z) {
   if (z.size() != n || !z.allFinite()) return kInfinity;
   if (n == 0) return 0;
   if (!(z.minCoeff() >= 0)) return kInfinity;
-  w_ = lcp_->q;
-  w_.noalias() += lcp_->M * z;
-  find_largest(z);
+  evaluate(z);
   double worst = 0;
-  for (Index i = 0; i < n; ++i) {
-    const double error = row_error(i, z);
-    if (!(error <= worst)) worst = std::isnan(error) ? kInfinity : error;
-  }
+  for (Index i = 0; i < n; ++i) worst = std::max(worst, row_error(i, z));
   return worst;
 }
 
-void BareLcpTest::find_largest(const Vector& z) {
-  std::fill(largest_.begin(), largest_.end(), 0.0);
-  for (Index i = 0; i < z.size(); ++i) largest_[block_of(i)] = std::max(largest(i), z(i));
-}
-
 double BareLcpTest::scale(Index row) const {
-  return LcpRow<double>{.norm = row_norm_(row), .q = lcp_->q(row), .largest = largest(row)}.scale();
+  return std::max(terms_(row), to_double(least_scale_[static_cast<std::size_t>(row)]));
 }
 
 double BareLcpTest::row_error(Index row, const Vector& z) const {
-  const LcpRow<double> of{row_norm_(row), lcp_->q(row), z(row), w_(row), largest(row)};
-  const double scale = of.scale();
-  if (!(scale >= kSmallestSafe && scale <= kLargestSafe)) return row_error_in_quad(row, z);
-  // n products and n sums, each rounded once, and as many of the norm, and two roundings here.
-  return of.violation() / scale + static_cast<double>(4 * z.size() + 2) * kUnitRoundoff;
+  const double scale = this->scale(row), norm = to_double(norm_[static_cast<std::size_t>(row)]);
+  if (!(scale >= kSmallestSafe && scale <= kLargestSafe && norm <= kLargestSafe)) return row_error_in_quad(row, z);
+  // n products and n sums in w and in its scale, each rounded once, as many sums in the norm, and twice in the floor.
+  const double rounding = static_cast<double>(6 * z.size() + 8) * kUnitRoundoff;
+  return std::abs(std::min(norm * z(row), w_(row))) / scale + rounding;
 }
 
 double BareLcpTest::row_error_in_quad(Index row, const Vector& z) const {
-  LcpRow<Quad> of{0, lcp_->q(row), z(row), lcp_->q(row), largest(row)};
+  Quad w = lcp_->q(row);
+  Quad terms = abs(w);
   for (Index j = 0; j < z.size(); ++j) {
-    const Quad entry = lcp_->M(row, j);
-    of.w += entry * static_cast<Quad>(z(j));
-    of.norm += abs(entry);
+    const Quad term = static_cast<Quad>(lcp_->M(row, j)) * z(j);
+    w += term;
+    terms += abs(term);
   }
-  if (of.norm == 0) of.norm = 1;
-  const Quad violation = of.violation();
-  return violation == 0 ? 0 : to_double(violation / of.scale());
+  const auto i = static_cast<std::size_t>(row);
+  const Quad violation = abs(std::min(norm_[i] * z(row), w));
+  return violation == 0 ? 0 : to_double(violation / std::max(terms, least_scale_[i]));
 }
 
 /// z with zeros where w is what does not vanish, and its w.
 void BareLcpTest::find_basis(const Vector& z) {
-  basis_ = (row_norm_.array() * z.array() > w_.array()).select(z, 0.0);
-  if (basis_ == z) return;
-  w_ = lcp_->q;
-  w_.noalias() += lcp_->M * basis_;
+  for (Index i = 0; i < z.size(); ++i) {
+    basis_(i) = norm_[static_cast<std::size_t>(i)] * z(i) > w_(i) ? z(i) : 0.0;
+  }
+  if (basis_ != z) evaluate(basis_);
 }
 
 bool BareLcpTest::disproves(const Vector& answer, double deadline_s) {
@@ -162,7 +174,12 @@ bool BareLcpTest::has_clear_basis(const Vector& z) {
   double largest = 0;
   for (Index r = 0; r < order; ++r) largest = std::max(largest, std::abs(w_(member(r))) / scale(member(r)));
   const double rounding = static_cast<double>(2 * z.size() + 2) * kUnitRoundoff;
-  return norm * (largest + rounding) <= 0.1 * kClear;
+  const double change = 10 * norm * (largest + rounding);  // of each z, relative to it, and of each w to its scale
+  if (!(change < kLargestChange)) return false;
+  for (Index i = 0; i < z.size(); ++i) {
+    if (!(z(i) > 0 || w_(i) > change * scale(i))) return false;
+  }
+  return true;
 }
 
 }  // namespace lcpbench
