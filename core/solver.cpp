@@ -13,6 +13,7 @@
 #include "core/compliance.h"
 #include "core/error.h"
 #include "core/mixed_lcp.h"
+#include "core/quad.h"
 
 namespace lcpbench {
 namespace {
@@ -73,6 +74,19 @@ bool data_are_finite(const Problem& problem) {
     all = all && Eigen::Map<const Vector>(entries, size).allFinite();
   });
   return all;
+}
+
+/// In 113 bits where products of three numbers may leave the range of double.
+double backward_error(const Lcp& lcp, const Vector& z) {
+  const auto is_moderate = [](double x) {
+    return x == 0 || std::isinf(x) || (std::abs(x) > 1e-90 && std::abs(x) < 1e90);
+  };
+  const auto are_moderate = [&](const auto& numbers) { return numbers.unaryExpr(is_moderate).all(); };
+  const LcpBounds& bounds = lcp.bounds;
+  const bool moderate = are_moderate(lcp.M) && are_moderate(lcp.q) && are_moderate(z) && are_moderate(bounds.lower) &&
+                        are_moderate(bounds.upper) && are_moderate(bounds.mu);
+  if (moderate) return lcp_error(lcp, std::vector<double>(z.begin(), z.end())).backward;
+  return to_double(lcp_error(lcp, std::vector<Quad>(z.begin(), z.end())).backward);
 }
 
 }  // namespace
@@ -221,9 +235,6 @@ void Solver::return_to_given(Answer& answer) {
 
 /// A claim stands as far as it is the solver's own: not where rounding in the reduction is what made it false.
 void Solver::return_to_mixed(Answer& answer) const {
-  const auto error_of = [](const Lcp& lcp, const Vector& z) {
-    return lcp_error(lcp, std::vector<double>(z.begin(), z.end())).backward;
-  };
   if (answer.claim == Claim::kUnsolvable && !reduction_->is_exact()) {
     answer.claim = Claim::kNumericalFailure;
     answer.detail = "the reduced problem, which is rounded, has no solution";
@@ -231,10 +242,10 @@ void Solver::return_to_mixed(Answer& answer) const {
   answer.farkas.resize(0);  // of another problem
   if (answer.z.size() != problem_.size()) return;
   const Vector z = reduction_->restore(answer.z);
-  if (answer.claim == Claim::kSolved && !(error_of(given_.lcp(), z) <= kSolvedBackwardError)) {
+  if (answer.claim == Claim::kSolved && !(backward_error(given_.lcp(), z) <= kSolvedBackwardError)) {
     Lcp reduced = reduction_->lcp();
     reduced.bounds = LcpBounds::nonnegative(reduced.size());
-    if (error_of(reduced, answer.z) <= kSolvedBackwardError) {
+    if (backward_error(reduced, answer.z) <= kSolvedBackwardError) {
       answer.claim = Claim::kNumericalFailure;
       answer.detail = "solves the reduced problem, but not the mixed one";
     }
