@@ -75,12 +75,12 @@ struct SeenByColumn {
 
 /// J_j'v, summed by sum_column().
 struct VelocityOfColumn {
-  const Vector& v;
+  const double* v;
   double velocity = 0, terms = 0, entries = 0;
 
   void add(Index i, double value) {
-    velocity += value * v(i);
-    terms += std::abs(value * v(i));
+    velocity += value * v[i];
+    terms += std::abs(value * v[i]);
     ++entries;
   }
 };
@@ -203,7 +203,7 @@ void BodiesTest::measure_scales() {
     if (island < 0) continue;
     ContactScale<double>& scale = scales_[static_cast<std::size_t>(island)];
     const auto add_row = [&](Index column) {
-      VelocityOfColumn sum{v_};
+      VelocityOfColumn sum{v_.data()};
       sum_column(*contact_, column, sum);
       scale.add_row(sum.velocity, sum.terms, sum.entries);
       return sum.velocity;

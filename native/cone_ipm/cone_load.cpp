@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/entries.h"
 #include "native/cone_ipm/cone_island.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/velocity_ipm/whitened_normals.h"

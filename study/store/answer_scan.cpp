@@ -13,11 +13,12 @@ using sqlite::Statement;
 /// Rows come in the order of the keys of problems and answers, without sorting: the condition on the set uses no index.
 std::string scan_query() {
   return "SELECT p.id, p.set_id, p.seed, p.trial, p.kind, p.n, p.ngc, p.nc, p.free_bodies, p.hash, p.theory, "
-         "k.certificate, k.least, k.proof_margin, "
+         "k.certificate, k.least, k.margin, "
          "a.solver_id, a.part, a.group_id, a.claim, a.iterations, a.pivots, a.factorizations, a.detail, c.friction, "
          "v.farkas_checked, v.worst_row, v.usable, v.solved, v.criterion, " + metric_columns() + ", "
          "t.repeats, t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s "
-         "FROM problems p LEFT JOIN (SELECT problem_id, certificate, least_violation_m_per_s AS least, proof_margin "
+         "FROM problems p LEFT JOIN (SELECT problem_id, certificate, least_violation_m_per_s AS least, "
+         "proof_margin AS margin "
          "FROM certificates) k ON k.problem_id = p.id "
          "LEFT JOIN answers a ON a.problem_id = p.id "
          "LEFT JOIN parameterisations c ON c.solver_id = a.solver_id AND c.cell = a.part "
