@@ -18,8 +18,9 @@ namespace lcpbench {
 ///   its length outside the span of the rows before it. B'G B of a given G has no diagonal entry below 2^-40 of the
 ///   largest, and scaled to unit diagonal it is proven to have no eigenvalue below 2^-64. The rank is the same, with
 ///   the same gap, when the rows of G or W are scaled to unit length. Without a gap the inertia is unresolved.
-/// - A given G, or block, that is indefinite by rounding: its pivoted LDL' is cut at n 2^-52 max G_ii, and G* is the
-///   pseudo-inverse with the range of the columns kept.
+/// - A given G, or block, that is indefinite by rounding: its pivoted LDL' is cut before the first pivot of at most
+///   n 2^-52 max G_ii, and G* is the pseudo-inverse with the range of the columns kept. G is refused if what is left
+///   has an entry above n times that bound.
 /// - G* given: it is used as it is; G is then unknown.
 class QuadInertia {
  public:
