@@ -30,8 +30,8 @@ struct ActiveSetSettings {
                                        {"ladder", ActiveSetPrecision::kLadder}}},
           "arithmetic; ladder: double, and quad where that fails");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual, in double or better, is at most this times max|q|; whatever "
-          "is set, at most 5e-5 max|q|, or 1e-9 max|q| where the inertia may be singular");
+          "claim solved only when the velocity residual, in double or better, is at most this times the scale of the "
+          "island; whatever is set, at most 5e-5 of the scale, or 1e-9 where the inertia may be singular");
     field("max_iterations", max_iterations, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "contacts added to or dropped from the active set; 0: 20 (contacts + coordinates) + 100");
   }

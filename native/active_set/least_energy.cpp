@@ -14,7 +14,7 @@ namespace {
 
 using active_set::Ending;
 
-/// Largest residual that the engine's own test of the projection accepts, relative to max|q|.
+/// Largest residual that the engine's own test of the projection accepts, relative to the scale.
 constexpr double kLargestResidual = 1e-8;
 
 /// Threshold of separates(), relative to the largest normal velocity before the impact: far above the rounding of

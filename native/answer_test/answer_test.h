@@ -41,9 +41,9 @@ class AnswerTest {
   void allow(double residual) { allowed_ = residual; }
 
   /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so do friction of
-  /// contacts that do not press and impulses of islands where none approaches; lambda is the least that the friction impulses allow.
-  /// If that solves the problem it is the answer. If not, z stays and the claim becomes kNumericalFailure (`detail`
-  /// "residual" or "unconfirmed"), kTimeLimit where the deadline came first, or kUnsolvable where `farkas`
+  /// contacts that do not press and impulses of islands where none approaches; lambda is the least that the friction
+  /// impulses allow. If that solves the problem it is the answer. If not, z stays and the claim becomes
+  /// kNumericalFailure (`detail` "residual" or "unconfirmed"), kTimeLimit where the deadline came first, or kUnsolvable where `farkas`
   /// shows that there is no solution: of bare LCPs exactly, of contacts in 113 bits. Of contact problems the velocity
   /// residual with its estimated rounding has to be within kClaimedResidual of the scale in double, or within what the
   /// verdict allows in 113 bits; of bare LCPs the backward error within kClaimedBackwardError. O(ngc n); in 113 bits,

@@ -27,7 +27,8 @@ class ImpulseSolver : public Base {
     test_.load(problem, AnswerTest::Bodies::kOneByOne, &state_.units.numbers());
   }
 
-  /// Where q is 0 in double, so that max|q| gives no scale for a residual: claims z = 0 if it passes the test.
+  /// Where no contact approaches in double (of a bare LCP q is 0), so that no impulses are the solution: claims z = 0 if
+  /// it passes the test.
   /// @pre answer is cleared, with a zero z of the right size
   void claim_rest(double deadline_s, Answer& answer) {
     answer.claim = Claim::kSolved;
@@ -95,7 +96,7 @@ class BestImpulseSolver : public ResumableImpulseSolver<> {
  protected:
   /// Of one solve.
   struct Best {
-    double tolerance = 0;        ///< of the residual, relative to max|q|: where the rounds end
+    double tolerance = 0;        ///< of the residual, relative to the scale: where the rounds end
     double accept_residual = 0;  ///< and up to where the impulses are claimed
     double residual = std::numeric_limits<double>::infinity();  ///< the least so far, that of best_impulse_
     double work = 0;  ///< see ResumableSolver::work(); a method may have more of its own

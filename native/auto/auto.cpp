@@ -39,7 +39,7 @@ struct AutoSettings {
 
   void visit(auto&& field) {
     field("error", error, RealRange{.min = 0, .max = 0.1},
-          "velocity residual of every island, relative to its max|q|, at which iterative methods may stop; 0: each "
+          "velocity residual of every island, relative to its scale, at which iterative methods may stop; 0: each "
           "method's own");
     field("impulses", impulses, Choices<Impulses>{{{"any", Impulses::kAny}, {"even", Impulses::kEven}}},
           "of contacts, where several give the same motion: those that a method reached, or those that equally stiff "

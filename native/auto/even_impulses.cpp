@@ -11,7 +11,7 @@
 namespace lcpbench {
 namespace {
 
-/// Classes of residuals, relative to max|q|. A velocity within the answer's class may count as zero; one of so many
+/// Classes of residuals, relative to the scale. A velocity within the answer's class may count as zero; one of so many
 /// times its residual does, because it is noise of the method.
 constexpr std::array kClasses{1e-9, 1e-6, 1e-4};
 constexpr double kNoise = 10;

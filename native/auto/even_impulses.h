@@ -41,8 +41,8 @@ class EvenImpulses {
   void set_velocity(const Vector& v);
 
   /// Replaces the impulses of a solved answer; its velocity stays. An answer keeps its own impulses if the others do
-  /// not pass AnswerTest, or if their residual is in a larger class: 1e-9, 1e-6 or 1e-4 relative to max|q|. Allocates
-  /// where zero is no start.
+  /// not pass AnswerTest, or if their residual is in a larger class: 1e-9, 1e-6 or 1e-4 relative to the scale.
+  /// Allocates where zero is no start.
   /// @param allowed see AnswerTest::allow() @returns why the answer keeps its own; "" if it does not
   const char* distribute(double allowed, double deadline_s, Answer& answer);
 

@@ -23,7 +23,7 @@ constexpr double kRestOverLoad = 3;
 /// find it.
 constexpr int kStickingTries = 3;
 
-/// Of the impulses of least energy, relative to max|q|; less if a smaller error is stated. They are a solution to
+/// Of the impulses of least energy, relative to the scale; less if a smaller error is stated. They are a solution to
 /// rounding, or none.
 constexpr double kLargestRestResidual = 1e-8;
 

@@ -37,11 +37,11 @@ struct ConeIpmSettings {
           "in one convex problem after the other; none: it is left out, which is the convex relaxation, another model "
           "that the answer is then judged by");
     field("tolerance", tolerance, RealRange{.min = 0},
-          "stop when the residual of the cone's conditions is at most this times max|q| of the island");
+          "stop when the residual of the cone's conditions is at most this times the scale of the island");
     field(
         "accept_residual", accept_residual, RealRange{.min = 0},
         "claim solved only when that residual, evaluated in double, is at most this, or tolerance where that is more, "
-        "times max|q| of every island, and the answer passes the test of the verdict's measure");
+        "times the scale of every island, and the answer passes the test of the verdict's measure");
     field("error", error, RealRange{.min = 0},
           "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance and "
           "accept_residual do");

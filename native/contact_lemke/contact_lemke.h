@@ -41,7 +41,7 @@ struct ContactLemkeSettings {
               {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
           "covering vector: on normal rows only, positive on every row, or the second where the first fails");
     field("accept_residual", accept_residual, RealRange{.min = 0, .max = 5e-5},
-          "velocity residual relative to max|q| below which no further stage of the cascade is tried");
+          "velocity residual relative to the scale of the island below which no further stage of the cascade is tried");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "limit on pivots over all stages together; 0: none but those of the stages");
   }
@@ -66,10 +66,11 @@ struct LaterEngines {
 /// last one ends in a solution. O(ngc (ngc + friction directions of pressing contacts)) per pivot; tens of pivots.
 /// [Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4] See docs/reference/solvers/contact_lemke.md.
 ///
-/// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
-/// `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
-/// stage gave an answer that passes. z is then the answer of all stages with the least residual, if that is at most 1e-4
-/// of max|q| with its rounding; else zero, as it is if exact arithmetic refutes the answer that was to be claimed.
+/// kSolved: the velocity residual with its estimated rounding is within 5e-5 of the scale of each island, evaluated from
+/// the returned z; `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit;
+/// kNumericalFailure: no stage gave an answer that passes. z is then the answer of all stages with the least residual,
+/// if that is at most 1e-4 of the scale with its rounding; else zero, as it is if exact arithmetic refutes the answer
+/// that was to be claimed.
 ///
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
@@ -119,7 +120,7 @@ class ContactLemke final : public ResumableSolver {
   void expect_one_island(bool is_known) { data_.is_one_island = is_known; }
 
   /// Sets the lambdas of z (n) to the least that its impulses allow. @returns its residual for the loaded problem at
-  /// the velocity now, in double, relative to max|q|
+  /// the velocity now, in double, relative to the scale of each island
   contact_lemke::Residual complete(double* z) { return double_->complete(z); }
 
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
@@ -147,7 +148,7 @@ class ContactLemke final : public ResumableSolver {
   /// What a solve has found. Apart from Progress: one struct of both would be cleared by an instruction that takes as
   /// long as a hundred others.
   struct Findings {
-    double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
+    double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to the scale
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
     int cycles = 0;  ///< paths that came back to one of their bases
     const char* stage = "";  ///< of the best answer

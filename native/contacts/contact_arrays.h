@@ -49,7 +49,7 @@ struct Input {
 };
 
 /// What an answer is worth, evaluated from v, N, D, mu and the inertia in the engine's arithmetic, each island relative
-/// to its own scale: max|q| or, where that is less, 1e4 times the rounding of q in double. Of the islands the worst.
+/// to its own scale (ContactScale). Of the islands the worst.
 struct Residual {
   double velocity = 0;  ///< bound on the velocity residual: max |w_i| where z_i > 0, max(0, -w_i) elsewhere
   /// The same with a bound on its rounding added, that of G's factors included: infinite where they have lost all.

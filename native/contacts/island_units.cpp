@@ -12,7 +12,7 @@ namespace {
 
 /// The rounding error of q_i = J_i'v + b_i, a sum of few terms, relative to the sum of their magnitudes.
 constexpr double kRounding = 0x1p-50;
-/// A unit raises this rounding error to less than twice this times the largest |q| of all islands (2.3e-10).
+/// A unit raises this rounding error to less than twice this times the largest scale of all islands (2.3e-10).
 constexpr double kLargestRounding = 0x1p-33;
 /// Of a unit and of scaled velocities, so that neither overflows.
 constexpr int kLargestExponent = 1000;

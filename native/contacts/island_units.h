@@ -9,8 +9,8 @@ namespace lcpbench {
 
 /// One factor for each island, its unit: a power of two >= 1 that brings its scale (ContactScale; of a bare LCP max|q|)
 /// to at least the largest of all islands, and to less than twice that. Tolerances relative to the largest scale are
-/// then relative to that of each island. Nothing couples islands: velocities and offsets times the unit have impulses times the unit, bit for
-/// bit except for underflow.
+/// then relative to that of each island. Nothing couples islands: velocities and offsets times the unit have impulses
+/// times the unit, bit for bit except for underflow.
 ///
 /// The unit is smaller where scaled velocities would overflow, and where q cancels: a scale below 2^-17 of the sum of
 /// the magnitudes of a q's terms counts as that much, so that its rounding error stays far below the tolerances. It is

@@ -25,7 +25,7 @@ class ResumableSolver : public Solver {
   /// Begins a solve of what is loaded. Does next to no work, beside a product of the data with a start; allocates
   /// nothing.
   /// @param start n, a guess at z, or nullptr; must stay valid until the solve has ended
-  /// @param error velocity residual, relative to max|q| of each island, that an answer may leave; 0: the method's own
+  /// @param error velocity residual, relative to the scale of each island, that an answer may leave; 0: the method's own
   virtual void begin(const Vector* start, double error) = 0;
 
   /// Goes on until it has done about `work` more, or is done. The end does not depend on the parts: the same answer bit
@@ -38,7 +38,7 @@ class ResumableSolver : public Solver {
   virtual double work() const = 0;
 
   /// The best impulses so far, with the least lambdas that they allow. May cost a few products with the data.
-  /// @param z n entries @returns their velocity residual in double, relative to max|q| of each island, of the worst
+  /// @param z n entries @returns their velocity residual in double, relative to the scale of each island, of the worst
   /// island; infinity where there are none, and then z is not written
   virtual double best(Vector& z) = 0;
 

@@ -7,11 +7,11 @@
 
 namespace lcpbench {
 
-/// The largest velocity residual, relative to max|q|, of contacts that solvers claim as solved: half of what the
-/// evaluation allows, which leaves room for the rounding of a test in double.
+/// The largest velocity residual, relative to the scale of the island (ContactScale), of contacts that solvers claim as
+/// solved: half of what the evaluation allows, which leaves room for the rounding of a test in double.
 inline constexpr double kClaimedResidual = 5e-5;
 
-/// With singular inertia no answer is claimed as solved that leaves more, relative to max|q|: the problem may miss a
+/// With singular inertia no answer is claimed as solved that leaves more, relative to the scale: the problem may miss a
 /// solution by that little.
 inline constexpr double kSureResidual = 1e-9;
 

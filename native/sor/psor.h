@@ -22,7 +22,7 @@ struct PsorSettings {
           "factor on each step: 1 is Gauss-Seidel, more is over-relaxation");
     field("tolerance", tolerance, RealRange{.min = 0},
           "an answer is tested, and claimed if it passes, when the velocity residual of every island, evaluated in "
-          "double, is at most min(this, 5e-5) times max|q| of the island");
+          "double, is at most min(this, 5e-5) times the scale of the island; of a bare LCP times its max|q|");
     field("acceleration", acceleration,
           Choices<Acceleration>{{{"none", Acceleration::kNone}, {"exact", Acceleration::kExact}}},
           "none; exact: a step along a direction conjugate to the last ones after each sweep, and contact_lemke solves "

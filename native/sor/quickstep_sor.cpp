@@ -28,8 +28,8 @@ struct QuickstepSorSettings {
     field("seed", seed, IntegerRange{.min = 0, .max = 4294967295},
           "of the random numbers, made as ODE makes them, that order the rows");
     field("tolerance", tolerance, RealRange{.min = 0},
-          "claim solved when the velocity residual of every island, evaluated in double, is at most this times max|q| "
-          "of the island; never stops early");
+          "claim solved when the velocity residual of every island, evaluated in double, is at most this times the "
+          "scale of the island; never stops early");
   }
 };
 

@@ -203,8 +203,8 @@ void InteriorPoint::add_yielding(const Vector& f, Vector& s) const {
   if (!coupled_.empty()) coupled_.add_product(f, s);
 }
 
-/// max |min(M_ii f_i, w_i)| over the scale, with w = M f + q: the evaluation's measure, in double. Infinity for NaN. Leaves
-/// W f in coordinates_ and M f in contacts_.
+/// max |min(M_ii f_i, w_i)| over the scale, with w = M f + q: the evaluation's measure, in double. Infinity for NaN.
+/// Leaves W f in coordinates_ and M f in contacts_.
 double InteriorPoint::relative_residual(const Vector& f) {
   normals_->combine(f, coordinates_);
   normals_->project(coordinates_, contacts_);

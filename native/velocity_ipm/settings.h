@@ -13,14 +13,14 @@ void visit_algebra(auto&& field, Algebra& algebra) {
         "Cholesky of the Newton matrix; auto: sparse for block inertia with a sparse N; sparse needs block inertia");
 }
 
-/// Visits two settings that solvers share, bounds of the velocity residual relative to max|q|: `tolerance` ends the
-/// iteration, and only up to `accept_residual` is an answer claimed as solved.
+/// Visits two settings that solvers share, bounds of the velocity residual relative to the scale of the island (see
+/// ContactScale): `tolerance` ends the iteration, and only up to `accept_residual` is an answer claimed as solved.
 void visit_residuals(auto&& field, double& tolerance, double& accept_residual) {
   field("tolerance", tolerance, RealRange{.min = 0},
-        "stop when the velocity residual of every island is at most this times max|q| of the island");
+        "stop when the velocity residual of every island is at most this times the scale of the island");
   field("accept_residual", accept_residual, RealRange{.min = 0},
         "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
-        "max|q| of the island");
+        "the scale of the island");
 }
 
 /// Settings of the interior-point method, whatever factors its systems.
