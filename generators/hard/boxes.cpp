@@ -153,7 +153,7 @@ struct UnitsDials {
   std::int64_t length = 10;
   void visit(auto&& field) {
     field("mass", mass, IntegerRange{-100, 100}, "the unit of mass is 2^-mass kg: 10 is close to grams");
-    field("length", length, IntegerRange{-100, 100}, "the unit of length is 2^-length m: 10 is close to millimetres");
+    field("length", length, IntegerRange{kLeastSpeed, 100}, "the unit of length is 2^-length m: 10 is close to millimetres");
   }
 };
 

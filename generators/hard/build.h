@@ -45,6 +45,11 @@ struct OddOrderDial {
 
 /// For problems of a fixed size: an exact change of unit, which does not affect a relative test.
 using ScaleDial = IntegerDial<"scale", 0, -400, 400, "q, and with it every solution, is multiplied by 2^scale">;
+/// The same of contacts, whose speeds are about 1 m/s at 0. Far below 2^-16 m/s verdicts know the unit: no residual of
+/// less than 1e-12 m/s is wrong.
+constexpr std::int64_t kLeastSpeed = -16;
+using SpeedDial =
+    IntegerDial<"scale", 0, kLeastSpeed, 400, "q, and with it every solution, is multiplied by 2^scale">;
 
 /// A distance or a size 2^-k.
 template <std::int64_t kDefault, std::int64_t kMax>

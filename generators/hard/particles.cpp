@@ -41,7 +41,7 @@ HardCase make_friction_angle(UlpsDial ulps) {
   return particle(0.75 + static_cast<double>(ulps.value) * 0x1p-53, 3, 4);
 }
 
-HardCase make_zero_friction(ScaleDial scale) {
+HardCase make_zero_friction(SpeedDial scale) {
   const double unit_speed = power_of_two(scale.value);
   return particle(0, 2 * unit_speed, unit_speed);
 }
@@ -70,7 +70,7 @@ HardCase make_diagonal(const FrictionDial<2>& dials) {
 
 // ---- one particle between several surfaces ----
 
-HardCase make_plates(ScaleDial scale) {
+HardCase make_plates(SpeedDial scale) {
   const double speed = power_of_two(scale.value);
   Contacts contacts(identity(1), {-speed});
   contacts.add({1});
@@ -78,7 +78,7 @@ HardCase make_plates(ScaleDial scale) {
   return contacts.with(solution({speed, 0}, HardUnique::kYes, kDefiniteInertia, {0}));
 }
 
-HardCase make_corner(ScaleDial scale) {
+HardCase make_corner(SpeedDial scale) {
   const double speed = power_of_two(scale.value);
   Contacts contacts(identity(2), {-speed, -speed});
   for (const Numbers& normal : {Numbers{1, 0}, Numbers{-1, 0}, Numbers{0, 1}, Numbers{0, -1}}) contacts.add(normal);
@@ -145,7 +145,7 @@ HardCase make_thin_rod(IntegerDial<"bits", 40, 0, 100, "the moment of inertia is
 
 // ---- inertia of reduced rank: G = diag(1, 0) ----
 
-HardCase make_massless(ScaleDial scale) {
+HardCase make_massless(SpeedDial scale) {
   Contacts contacts = Contacts::reduced(matrix({{1}, {0}}), {0, -power_of_two(scale.value)});
   contacts.add({0, 1});
   return contacts.with(unsolvable({1}, "the normal is in the null space of G and approaches: no impulse changes that"));
