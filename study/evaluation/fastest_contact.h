@@ -16,7 +16,7 @@ FastestContact fastest_contact(const ContactProblem& problem, const Vector& u);
 
 /// Verified answers move differently if their velocities differ at a contact by more than this [m/s]: 1e-3 of the
 /// fastest contact before the impact, or of the largest normal or tangential offset if that is larger. That is well
-/// above the residual that they may have, 1e-4 of the largest |q_i|.
+/// above the residual that they may have, 1e-4 of the scale of the island.
 double least_difference(const ContactProblem& problem);
 
 }  // namespace lcpbench

@@ -9,6 +9,9 @@
 #include <fmt/format.h>
 
 #include "core/answer/cone_friction.h"
+#include "core/answer/contact_scale.h"
+#include "core/entries.h"
+#include "core/islands.h"
 
 namespace lcpbench {
 namespace {
@@ -97,6 +100,37 @@ std::string short_number(double x) {
   return text;
 }
 
+/// What counts at least in the scale of the row's island: see ContactScale.
+double scale_floor(const ContactProblem& problem, Index row) {
+  const RowIslands islands = row_islands(problem);
+  const auto island = [&](Index of) { return islands.of_row[static_cast<std::size_t>(of)]; };
+  ContactScale<double> scale;
+  const auto add_rows = [&](const Jacobian& J, Index count, Index first) {
+    for (Index j = 0; j < count; ++j) {
+      if (island(first + j) != island(row)) continue;
+      double velocity = 0, terms = 0, entries = 0;
+      for_each_entry(J, j, [&](Index i, double entry) {
+        velocity += entry * problem.v(i);
+        terms += std::abs(entry * problem.v(i));
+        entries += entry != 0 ? 1 : 0;
+      });
+      scale.add_row(velocity, terms, entries);
+    }
+  };
+  const ContactLayout layout = contact_layout(problem);
+  add_rows(problem.N, layout.nc, 0);
+  add_rows(problem.D, layout.lambda_offset() - layout.friction_offset(), layout.friction_offset());
+  return scale.floor();
+}
+
+/// "the 0.362 m/s that no impulses leave in its island".
+std::string scale_words(const ContactProblem& problem, const WorstRow& worst) {
+  constexpr double kRounding = 1e-9;  // of a floor in double
+  const bool is_floor = worst.scale <= scale_floor(problem, worst.row) * (1 + kRounding);
+  return is_floor ? fmt::format("{:.3g} m/s, the floor of its island's scale", worst.scale)
+                  : fmt::format("the {:.3g} m/s that no impulses leave in its island", worst.scale);
+}
+
 /// The row whose conditions the answer violates most, and by how much. @pre not errors.unresolved
 std::string worst_row_words(const Problem& problem, const JudgedAnswer& answer) {
   const Errors& errors = answer.errors;
@@ -105,9 +139,9 @@ std::string worst_row_words(const Problem& problem, const JudgedAnswer& answer) 
   const bool negative_z = worst.z < 0 && (!(worst.w < 0) || worst.residual != std::abs(worst.w));
   const bool negative_w = worst.w < 0 && !negative_z;
   if (const ContactProblem* contact = problem.contact()) {
-    return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {}",
+    return fmt::format("{}: error {:.3g}, relative to {}; the limit is {}",
                        contact_state(*contact, answer, negative_z, negative_w), errors.velocity_residual_relative,
-                       worst.scale, short_number(errors.limit));
+                       scale_words(*contact, worst), short_number(errors.limit));
   }
   const Lcp& lcp = problem.lcp();
   if (lcp.is_mixed()) {
@@ -117,15 +151,15 @@ std::string worst_row_words(const Problem& problem, const JudgedAnswer& answer) 
                 : fmt::format("{:g} and {:g}", lcp.bounds.lower(worst.row), lcp.bounds.upper(worst.row));
     return fmt::format(
         "row {} has z = {:.6g} and w = {:.3g}, which do not belong together with its bounds {}: backward "
-        "error {:.3g} of its block; the limit is {}",
-        worst.row, worst.z, worst.w, bounds, errors.backward_row_norm, short_number(errors.limit));
+        "error {:.3g}, relative to its scale of {:.3g}; the limit is {}",
+        worst.row, worst.z, worst.w, bounds, errors.backward_row_norm, worst.scale, short_number(errors.limit));
   }
   const std::string state = negative_w   ? fmt::format("has w = {:.3g}, below zero", worst.w)
                             : negative_z ? fmt::format("has z = {:.3g}, below zero", worst.z)
                                          : fmt::format("has z = {:.3g} and w = {:.3g}, but one of them must be zero",
                                                        worst.z, worst.w);
-  return fmt::format("row {} {}: backward error {:.3g} of its block; the limit is {}", worst.row, state,
-                     errors.backward_row_norm, short_number(errors.limit));
+  return fmt::format("row {} {}: backward error {:.3g}, relative to its scale of {:.3g}; the limit is {}", worst.row,
+                     state, errors.backward_row_norm, worst.scale, short_number(errors.limit));
 }
 
 /// How far the velocity that came with the answer is from the one that its z implies.
@@ -134,7 +168,7 @@ std::string velocity_words(const Errors& errors) {
   if (worst.coordinate < 0) return "its velocity is of another length than the problem's, or not finite";
   return fmt::format(
       "its velocity is not the one that its z gives: coordinate {} is {:.6g}, and z gives {:.6g}; error {:.3g} "
-      "relative to |v| + |G*||J||f|; the limit is {}",
+      "relative to |v| + |G*||J||f| or its floor; the limit is {}",
       worst.coordinate, worst.returned, worst.implied, errors.returned_velocity_error,
       short_number(kSolvedReturnedVelocity));
 }
@@ -158,7 +192,7 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   if (answer.claim == Claim::kSolved) {
     const std::string no_cone = answer.model == FrictionModel::kPyramid ? "" : why_no_cone(*problem.contact());
     if (!no_cone.empty()) return "said solved; not measured, because no round cone is known for " + no_cone;
-    return "said solved; inertia unresolved: the answer is not measured, as 113 bits do not tell the rank of G";
+    return "said solved; inertia unresolved: the answer is not measured, as 113 bits do not tell G* well enough";
   }
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {
@@ -192,7 +226,7 @@ Json problem_summary_json(const Problem& problem, const std::string& unnamed) {
 }
 
 std::string nearly_words(double least_violation_m_per_s) {
-  std::string words = "proven to have no exact solution, while an answer within the tolerance is known";
+  std::string words = "proven to have no exact solution, but within the tolerance of one";
   if (!std::isnan(least_violation_m_per_s)) {
     words += fmt::format("; every answer violates some contact by at least {:.3g} m/s", least_violation_m_per_s);
   }

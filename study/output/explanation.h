@@ -18,7 +18,7 @@ Json problem_summary_json(const Problem& problem, const std::string& unnamed);
 /// Also "" for an answer without z whose detail says why, unless it claims to be solved.
 std::string why_without_errors(const Answer& answer, Index n);
 
-/// What Truth::kNearly says of a problem: "proven to have no exact solution, while ...".
+/// What Truth::kNearly says of a problem: "proven to have no exact solution, but ...".
 /// @param least_violation_m_per_s  by which every answer violates some contact; NaN: not known
 std::string nearly_words(double least_violation_m_per_s);
 /// A note on the captured answers of an engine that by design softens contacts, corrects penetration or stops early;
@@ -39,7 +39,7 @@ struct JudgedAnswer {
 };
 
 /// Why the verdict is not "solved", as a sentence without its subject: "said solved, but contact 1 still approaches at
-/// 1 m/s: residual 1 relative to its island's scale of 1 m/s; the limit is 1e-4." "" for solved.
+/// 1 m/s: error 1, relative to the 1 m/s that no impulses leave in its island; the limit is 1e-4." "" for solved.
 ///
 /// Contacts, their friction directions and rows of the LCP are counted from 0, as in files and arrays.
 std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer);

@@ -138,7 +138,7 @@ TEST_F(DocumentsTest, SolveJson) {
                   "velocity_residual_m_per_s:n? velocity_residual_relative:n? model_error_m_per_s:n? "
                   "natural_residual:n? backward_row_norm:n? forward_velocity:n? violation_m_per_s:n? work_gain_j:n? "
                   "complementarity_j:n? cone_violation:n? min_z:n? returned_velocity_error:n? "
-                  "least_violation_m_per_s:n? optimum_distance:n? velocity_mismatch:n? worst_row:n?");
+                  "least_violation_m_per_s:n? proof_margin:n? optimum_distance:n? velocity_mismatch:n? worst_row:n?");
     expect_fields(row["time"], "setup_s:n solve_s:n verify_s:n");
     expect_fields(row["counters"], "iterations:n? pivots:n? factorizations:n?");
     for (const json& count : row["counters"]) EXPECT_TRUE(count.is_null() || count.get<std::int64_t>() >= 0) << count;
