@@ -6,7 +6,7 @@
 Needs Python 3.9 or later and nothing else; shares no code with lcpbench. It is this file and exact_problems.py beside
 it, so that a reader who wants to check it has it all in one place, and can copy it to another machine. Every double is
 read as the rational number that it is, every test is an identity or an inequality between integers: there is no
-tolerance.
+tolerance, but for the rounding of the column proof_margin of a store.
 docs/explanation/certificates.md says why each test proves what it proves.
 
 Exit codes: 0 every certificate was accepted; 1 one was rejected; 2 a file cannot be read.
@@ -187,6 +187,53 @@ def least_violation(document, problem):
     return math.nextafter(nearest, 0.0) if least < Fraction(nearest) else nearest
 
 
+def islands(M):
+    """The number of each row's island: rows i and j are in one where M_ij or M_ji is not zero."""
+    number = list(range(len(M)))
+
+    def first(i):
+        while number[i] != i:
+            number[i] = number[number[i]]
+            i = number[i]
+        return i
+
+    for i, row in enumerate(M):
+        for j, entry in enumerate(row):
+            if entry:
+                number[first(i)] = first(j)
+    return [first(i) for i in range(len(M))]
+
+
+def floors(problem):
+    """F_i = min(c_i max(|q_k| / c_k), max |q_k|) over the rows k of the island of row i, c_i the sum of |M_ij|."""
+    sizes = [abs(q) for q in problem.q.fractions()]
+    sums = [Fraction(sum(map(abs, row)), problem.M.denominator) or Fraction(1) for row in problem.M.numerators]
+    number = islands(problem.M.numerators)
+    shares, largest = collections.defaultdict(Fraction), collections.defaultdict(Fraction)
+    for island, size, total in zip(number, sizes, sums):
+        shares[island] = max(shares[island], size / total)
+        largest[island] = max(largest[island], size)
+    return [min(total * shares[island], largest[island]) for island, total in zip(number, sums)]
+
+
+def proof_margin(document, problem):
+    """By how much of its own size a bare LCP misses a solution; None where the proof does not say."""
+    if document["proof"] != "farkas" or not isinstance(problem, BareLcp):
+        return None
+    u = exact_vector(document, "exact_farkas", problem.size).fractions()
+    q = problem.q.fractions()
+    size = sum(weight * max(abs(entry), floor) for weight, entry, floor in zip(u, q, floors(problem)))
+    require(size > 0, "the proof has no margin")
+    return -sum(weight * entry for weight, entry in zip(u, q)) / size
+
+
+def is_margin(stored, exact):
+    """The floors and the quotient are rounded to doubles, by 2^-53 and, towards zero, by 2^-52 of the margin."""
+    if exact is None or stored is None:
+        return stored is exact
+    return abs(Fraction(stored) - exact) < exact / 2**51 + Fraction(1, 2**1074)
+
+
 def check_stored(document, stored):
     """The table of certificates says what the proof shows, of the problem that it stands beside."""
     for field in ("certificate", "proof"):
@@ -202,6 +249,7 @@ def check_stored(document, stored):
     require(problem.size == stored["n"],
             f"the table has a problem of {stored['n']} unknowns, the proof one of {problem.size}")
     require(stored["least_violation"] == least_violation(document, problem), "the table has another least_violation")
+    require(is_margin(stored["proof_margin"], proof_margin(document, problem)), "the table has another proof_margin")
 
 
 def verdict(item):
@@ -227,8 +275,8 @@ def verdict(item):
 
 QUERY = """
 SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial AS name, s.name AS set_name, p.seed, p.trial, p.n,
-       c.certificate, c.proof, c.velocity_unique, c.least_violation_m_per_s AS least_violation, v.data AS velocity,
-       d.document
+       c.certificate, c.proof, c.velocity_unique, c.least_violation_m_per_s AS least_violation,
+       c.proof_margin, v.data AS velocity, d.document
 FROM problems p JOIN sets s ON s.id = p.set_id
 LEFT JOIN certificates c ON c.problem_id = p.id LEFT JOIN proofs d ON d.problem_id = p.id
 LEFT JOIN vectors v ON v.id = c.velocity

@@ -3,6 +3,7 @@
 usage: check_certificates_test.py CHECKER LCPBENCH
 """
 
+import contextlib
 import copy
 import importlib.util
 import json
@@ -184,6 +185,22 @@ def test_small_proofs(checker):
     expect(nested.startswith("malformed: "), f"nested too deep: {nested}")
 
 
+def test_margins(checker):
+    """Of proofs whose margins can be seen on paper."""
+    def margin(M, q, farkas):
+        document = small_lcp(M, q, "unsolvable", "farkas", farkas)
+        return checker.proof_margin(document, checker.read_problem(document["problem"]))
+
+    expect(margin([[-1.0]], [-1.0], [3]) == 1, "the whole of q is missed")
+    # The rows are one island, of which F_0 = min(1 * 1/2, 1): c_0 is 1, as row 0 is zero.
+    expect(margin([[0.0, 0.0], [1.0, 1.0]], [-2.0**-30, -1.0], [1, 0]) == 2.0**-29, "half of the largest q / c")
+    expect(margin([[0.0, 0.0], [0.0, 1.0]], [-2.0**-30, -1.0], [1, 0]) == 1, "an island of its own")
+    expect(margin([[-8.0, 0.0], [8.0, 2.0]], [-2.0**-30, -1.0], [1, 0]) == 1.25 * 2.0**-30, "F_0 = 8 / 10")
+    third = checker.Fraction(1, 3)
+    for stored, holds in ((1 / 3, True), (math.nextafter(1 / 3, 0), True), (1 / 3 * (1 + 1e-15), False), (None, False)):
+        expect(checker.is_margin(stored, third) is holds, f"margin {stored} of 1/3")
+
+
 def test_offsets(checker):
     """A box between two walls, whose offsets ask it to leave both: each proof holds for b = (-1, 1/2) or (-1/2, 1/2)."""
     def reason(b, kind, proof, inertia=("G", [[1, 0], [0, 1]]), **vectors):
@@ -231,6 +248,10 @@ STORE_CHANGES = {
     "another number of velocities": "UPDATE certificates SET velocity_unique = NULL WHERE velocity_unique = 1",
     "another violation in the table": "UPDATE certificates SET least_violation_m_per_s = least_violation_m_per_s / 2 "
                                       "WHERE least_violation_m_per_s IS NOT NULL",
+    "another margin in the table": "UPDATE certificates SET proof_margin = proof_margin * (1 + 1e-15) "
+                                   "WHERE proof_margin IS NOT NULL",
+    "no margin in the table": "UPDATE certificates SET proof_margin = NULL WHERE proof_margin IS NOT NULL",
+    "a margin of contacts": "UPDATE certificates SET proof_margin = 0.5 WHERE least_violation_m_per_s IS NOT NULL",
     "another size in the table": "UPDATE problems SET n = n + 1 WHERE id = (SELECT MIN(problem_id) FROM proofs)",
 }
 
@@ -289,6 +310,26 @@ def test_stores(checker, path, store, proofs):
     expect(older.returncode == 2 and older.stderr.startswith("check_certificates: "), older.stderr)
 
 
+def test_rounded_violations(checker, path, lcpbench, folder):
+    """Of a store whose least violations are no doubles: some are to be rounded down from the nearest one."""
+    walls, store = folder / "walls", folder / "walls.db"
+    walls.mkdir()
+    for trial in range(TRIALS):
+        problem = {"format": "lcpbench-problem", "version": 1, "name": "walls", "kind": "contact", "v": [0, 0],
+                   "N": [[1, -1], [0, 0]], "b": [-3, 0.1 * (trial + 1)], "G": [[1, 0], [0, 1]]}
+        (walls / f"{trial:02}.json").write_text(json.dumps(problem))
+    solved = run(lcpbench, "run", "--set", f"file:{walls}", "--solver", "lemke", "--store", store)
+    certified = run(lcpbench, "certify", "--store", store, "--every", 1)
+    expect(solved.returncode == certified.returncode == 0, solved.stderr + certified.stderr)
+    with contextlib.closing(sqlite3.connect(store)) as database:
+        stored = [least for (least,) in database.execute("SELECT least_violation_m_per_s FROM certificates")]
+    exact = [(3 - checker.Fraction(0.1 * (trial + 1))) / 2 for trial in range(TRIALS)]  # of u = (1, 1)
+    down = [x for x in exact if float(x) > x and math.nextafter(float(x), 0) in stored]
+    expect(len(stored) == TRIALS and down, f"walls: no violation of {stored} is rounded down")
+    checked = run(sys.executable, path, store)
+    expect(checked.stdout.endswith(f"\n{TRIALS} accepted, 0 rejected\n"), checked.stdout + checked.stderr)
+
+
 def main():
     path, lcpbench = sys.argv[1:]
     checker = load(path)
@@ -298,10 +339,12 @@ def main():
         store, documents = make_store(lcpbench, folder)
         test_documents(checker, documents)
         test_small_proofs(checker)
+        test_margins(checker)
         test_offsets(checker)
         test_compliance(checker, lcpbench, folder)
         test_six_soft_edges(checker)
         test_stores(checker, path, store, documents)
+        test_rounded_violations(checker, path, lcpbench, folder)
     for failure in failures[:50]:
         print("FAILED:", failure)
     return 1 if failures else 0
