@@ -38,7 +38,7 @@ class Verdict:
     """What an answer is, by code that knows no solver. True in an `if` where the answer is solved."""
 
     verdict: str  #: "solved", "wrong", "unsolvable", "refused", "missed" or "open"
-    residual: float  #: relative; solved up to 1e-4 of contacts and 1e-6 of a bare LCP, or up to `solved_at`
+    residual: float  #: 1 is as bad as no impulses; solved up to 1e-4, of a bare LCP 1e-6, or up to `solved_at`
     worst: str  #: why it is not solved, in words; "" where solved
     worst_row: int  #: of the LCP, counted from 0; -1: none
     model: str  #: "pyramid", "cone" or "convex": the model of friction that it was measured by

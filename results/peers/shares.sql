@@ -1,5 +1,5 @@
 -- Peers on captured steps: shares of the steps that each took, and how near its answers come
--- median_error: the velocity residual relative to the largest speed (rho). Times are geometric means:
+-- median_error: rho, see docs/explanation/verdicts.md. Times are geometric means:
 -- mean_time_s of set-up and solve, from outside; mean_reported_s of the library's own call, as the program reports it.
 SELECT CASE WHEN NOT p.free_bodies THEN 'A robot''s step' WHEN s.name GLOB 'scene/*-pile/*' THEN 'Piles'
             WHEN s.name GLOB 'scene/stack/*' OR s.name GLOB 'scene/wall/*' OR s.name GLOB 'scene/card-house/*'

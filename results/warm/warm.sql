@@ -1,5 +1,5 @@
 -- Consecutive steps, each solver from nothing and from its last answer
--- error: the velocity residual relative to the largest speed (rho); time: of set-up and solve, processor time.
+-- error: rho, see docs/explanation/verdicts.md; time: of set-up and solve, processor time.
 SELECT replace(replace(s.name, 'file:', ''), '.scenes', '') AS scene,
        v.name || CASE replace(replace(v.settings, ',start=last', ''), 'start=last', '') WHEN '' THEN ''
                  ELSE '{' || replace(replace(v.settings, ',start=last', ''), 'start=last', '') || '}' END AS solver,

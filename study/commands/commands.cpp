@@ -103,8 +103,8 @@ CLI::Validator seed_check() {
 
 CLI::Option* add_solved_at(CLI::App& command, std::optional<double>& bound) {
   return add_number(command, "--solved-at", bound,
-                    "the verdict's bound: largest relative residual of a solved answer (default: 1e-4 of contacts, 1e-6 "
-                    "of bare LCPs)",
+                    "the verdict's bound: largest error of a solved answer, 1 being as bad as no impulses (default: "
+                    "1e-4 of contacts, 1e-6 of bare LCPs)",
                     number_check(1e-15, 1));
 }
 
