@@ -36,7 +36,7 @@ class Documents(unittest.TestCase):
         (said, _), = run_page("docs/howto/python.md")
         solved, wrong = said.splitlines()
         self.assertEqual(solved, "solved [0.97 0.   0.  ]")
-        self.assertTrue(wrong.startswith("wrong, residual 0.03: said solved, but contact 0"), wrong)
+        self.assertTrue(wrong.startswith("wrong, residual 0.3: said solved, but contact 0"), wrong)
 
     @unittest.skipIf(importlib.util.find_spec("mujoco") is None, "PyPI's mujoco is not installed")
     def test_the_tutorial_on_a_robot_prints_what_stands_beside_it(self):
