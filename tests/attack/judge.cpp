@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/answer/lcp_error.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/attack/truth.h"
 
@@ -91,6 +92,9 @@ Dyadic root(const Dyadic& a) {
   const long exponent = a.exponent() - 256 - (a.exponent() % 2 != 0 ? 1 : 0);
   return {boost::multiprecision::sqrt(a.over(exponent)) + 1, exponent / 2};
 }
+
+/// The largest number that the verdict, which rounds rho and eta to double, takes for `limit`.
+Dyadic rounded_to(double limit) { return Dyadic(0.5) * (Dyadic(limit) + Dyadic(std::nextafter(limit, 1.0))); }
 
 DyadicMatrix beside(const DyadicMatrix& A, const DyadicMatrix& B) {
   DyadicMatrix result(A.rows, A.cols + B.cols);
@@ -380,9 +384,7 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
   const Dyadic& denominator = data.response.denominator;
   const Dyadic square = denominator * denominator;
   const DyadicVector w = data.complement(z, Dyadic(1.0));
-  // Of rho, which the verdict rounds to double.
-  const Dyadic tolerance =
-      Dyadic(0.5) * (Dyadic(kSolvedVelocityResidual) + Dyadic(std::nextafter(kSolvedVelocityResidual, 1.0)));
+  const Dyadic tolerance = rounded_to(kSolvedVelocityResidual);
   bool solved = true;
   for (const auto& [coordinates, island] : data.parts) {
     Dyadic residual;
@@ -443,17 +445,17 @@ bool Judge::block_solved(const DyadicVector& z, const std::vector<Index>& block)
     rows.push_back(std::move(row));
     if (rows[most].size * rows.back().norm < rows.back().size * rows[most].norm) most = rows.size() - 1;
   }
-  const Dyadic tolerance(kSolvedBackwardError);
+  const Dyadic tolerance = rounded_to(kSolvedBackwardError), share(kLcpFloorShare);
   bool solved = true;
   for (std::size_t k = 0; k < block.size(); ++k) {
     const Row& row = rows[k];
     const Dyadic violation = abs(data.violation(block[k], z, row.norm, row.w));
-    const Dyadic hundredfold = Dyadic(100.0) * violation;
-    const Dyadic shared = row.norm * rows[most].size, of_shared = hundredfold * rows[most].norm;
-    const bool by_floor = hundredfold <= tolerance * largest && of_shared <= tolerance * shared;
+    const Dyadic floor = share * largest;
+    const Dyadic shared = share * row.norm * rows[most].size, of_shared = violation * rows[most].norm;
+    const bool by_floor = violation <= tolerance * floor && of_shared <= tolerance * shared;
     solved = solved && (violation <= tolerance * row.terms || by_floor);
     measure_ = std::max(measure_, std::min(quotient(violation, row.terms),
-                                           std::max(quotient(hundredfold, largest), quotient(of_shared, shared))));
+                                           std::max(quotient(violation, floor), quotient(of_shared, shared))));
   }
   return solved;
 }
