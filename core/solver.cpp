@@ -76,15 +76,16 @@ bool data_are_finite(const Problem& problem) {
   return all;
 }
 
-/// In 113 bits where products of three numbers may leave the range of double.
+/// In 113 bits where products of three numbers may leave the range of double, and for limits of friction, which may be
+/// large beside the row whose impulse they bound.
 double backward_error(const Lcp& lcp, const Vector& z) {
   const auto is_moderate = [](double x) {
     return x == 0 || std::isinf(x) || (std::abs(x) > 1e-90 && std::abs(x) < 1e90);
   };
   const auto are_moderate = [&](const auto& numbers) { return numbers.unaryExpr(is_moderate).all(); };
   const LcpBounds& bounds = lcp.bounds;
-  const bool moderate = are_moderate(lcp.M) && are_moderate(lcp.q) && are_moderate(z) && are_moderate(bounds.lower) &&
-                        are_moderate(bounds.upper) && are_moderate(bounds.mu);
+  const bool moderate = bounds.mu.isZero(0) && are_moderate(bounds.lower) && are_moderate(bounds.upper) &&
+                        are_moderate(lcp.M) && are_moderate(lcp.q) && are_moderate(z);
   if (moderate) return lcp_error(lcp, std::vector<double>(z.begin(), z.end())).backward;
   return to_double(lcp_error(lcp, std::vector<Quad>(z.begin(), z.end())).backward);
 }
