@@ -1,6 +1,7 @@
 #include "native/proofs/support_search.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/answer/lcp_error.h"
 #include "core/timed_solve.h"
@@ -8,9 +9,15 @@
 namespace lcpbench {
 namespace {
 
-/// What is left of a row that depends on others, and how far below zero rounding puts an entry of z.
+/// A difference of less than this, relative to what was subtracted, is rounding.
 constexpr Quad kNoise = 0x1p-90;
 constexpr Quad kSolved = 0x1p-100;
+
+void subtract(Quad& from, Quad x) {
+  const Quad size = std::max(abs(from), abs(x));
+  from -= x;
+  if (abs(from) <= kNoise * size) from = 0;
+}
 
 }  // namespace
 
@@ -18,22 +25,20 @@ constexpr Quad kSolved = 0x1p-100;
 bool SupportSearch::add_if_independent(Index row) {
   const std::size_t order = support_.size();
   std::vector<Quad> entries(order + 1);
-  Quad largest = 0;
-  for (std::size_t j = 0; j < order; ++j) {
-    entries[j] = lcp_->M(row, support_[j]);
-    largest = std::max(largest, abs(entries[j]));
-  }
+  for (std::size_t j = 0; j < order; ++j) entries[j] = lcp_->M(row, support_[j]);
   entries[order] = lcp_->q(row);
   for (std::size_t r = 0; r < reduced_.size(); ++r) {
+    if (entries[pivots_[r]] == 0) continue;
     const Quad factor = entries[pivots_[r]] / reduced_[r][pivots_[r]];
-    for (std::size_t j = 0; j <= order; ++j) entries[j] -= factor * reduced_[r][j];
+    for (std::size_t j = 0; j <= order; ++j) subtract(entries[j], factor * reduced_[r][j]);
     entries[pivots_[r]] = 0;
   }
+  const auto size = [&](std::size_t j) { return abs(entries[j]) / column_size_[static_cast<std::size_t>(support_[j])]; };
   std::size_t pivot = 0;
   for (std::size_t j = 1; j < order; ++j) {
-    if (abs(entries[j]) > abs(entries[pivot])) pivot = j;
+    if (size(j) > size(pivot)) pivot = j;
   }
-  if (order == 0 || !(abs(entries[pivot]) > kNoise * largest)) return false;
+  if (order == 0 || entries[pivot] == 0) return false;
   rows_.push_back(row);
   reduced_.push_back(std::move(entries));
   pivots_.push_back(pivot);
@@ -45,18 +50,16 @@ bool SupportSearch::try_rows() {
   --systems_left_;
   const std::size_t order = support_.size();
   std::vector<Quad> of_support(order, 0), z(static_cast<std::size_t>(lcp_->size()), 0);
-  Quad largest = 0;
   for (std::size_t r = order; r-- > 0;) {
     Quad sum = -reduced_[r][order];
     for (std::size_t j = 0; j < order; ++j) {
-      if (j != pivots_[r]) sum -= reduced_[r][j] * of_support[j];
+      if (j != pivots_[r]) subtract(sum, reduced_[r][j] * of_support[j]);
     }
     of_support[pivots_[r]] = sum / reduced_[r][pivots_[r]];
   }
-  for (const Quad value : of_support) largest = std::max(largest, abs(value));
   for (std::size_t j = 0; j < order; ++j) {
-    if (!(of_support[j] >= -kNoise * largest)) return false;
-    z[static_cast<std::size_t>(support_[j])] = std::max(of_support[j], Quad{0});
+    if (!(of_support[j] >= 0)) return false;
+    z[static_cast<std::size_t>(support_[j])] = of_support[j];
   }
   if (!(lcp_error<Quad>(*lcp_, z).backward <= kSolved)) return false;
   z_.resize(lcp_->size());
@@ -79,6 +82,16 @@ bool SupportSearch::complete(std::size_t first_other) {
     pivots_.pop_back();
   }
   return false;
+}
+
+void SupportSearch::load(const Lcp& lcp) {
+  lcp_ = &lcp;
+  column_size_.assign(static_cast<std::size_t>(lcp.size()), 0);
+  for (Index j = 0; j < lcp.size(); ++j) {
+    Quad& size = column_size_[static_cast<std::size_t>(j)];
+    for (const double entry : lcp.M.col(j)) size = std::max(size, Quad{std::abs(entry)});
+    if (size == 0) size = 1;
+  }
 }
 
 SupportSearch::End SupportSearch::run(double deadline_s, std::int64_t most_systems) {

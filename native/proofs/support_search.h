@@ -23,7 +23,7 @@ class SupportSearch {
   enum class End { kFound, kNone, kTimeLimit, kSystemLimit };
 
   /// @param lcp of order <= kMaxSize; must stay as it is until the next load
-  void load(const Lcp& lcp) { lcp_ = &lcp; }
+  void load(const Lcp& lcp);
 
   /// Ends at the first solution: a point whose backward error is at most 2^-100.
   /// @param deadline_s on wall_clock_s() @param most_systems that are solved before it gives up
@@ -38,6 +38,7 @@ class SupportSearch {
   bool add_if_independent(Index row);
 
   const Lcp* lcp_ = nullptr;
+  std::vector<Quad> column_size_;  ///< the largest |entry|, by which pivots are compared
   std::vector<Index> support_, others_;
   /// w = 0 in these determines a point; [M q] of them on the support, each reduced by those before it.
   std::vector<Index> rows_;
