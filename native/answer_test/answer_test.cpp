@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 #include "core/entries.h"
@@ -106,9 +107,10 @@ void AnswerTest::report_proof(Answer& answer) {
 }
 
 bool AnswerTest::solves(const Vector& z) {
+  backward_error_ = std::numeric_limits<double>::infinity();
   if (!z.allFinite()) return false;
   completed_ = z.cwiseMax(0.0);
-  if (bare_) return bare_test_.backward_error(completed_) <= kClaimedBackwardError;
+  if (bare_) return (backward_error_ = bare_test_.backward_error(completed_)) <= kClaimedBackwardError;
   release();
   return by_bodies_ ? solves_bodies() : solves_contacts();
 }

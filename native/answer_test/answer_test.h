@@ -60,6 +60,9 @@ class AnswerTest {
   /// @param u nearly a proof for a bare LCP, where the method has one; else nullptr
   void settle_ray(Answer& answer, double deadline_s, const Vector* u = nullptr);
 
+  /// Of the bare LCP's answer in the last settle(). @pre its claim was solved
+  double backward_error() const { return backward_error_; }
+
   /// Multiplications of doubles that take as long as the test of contacts in 113 bits of the last settle(), about; 0
   /// where double decided. It depends on the data alone. Of bare LCPs 0.
   double work_in_quad() const { return work_in_quad_; }
@@ -100,6 +103,7 @@ class AnswerTest {
   double work_in_quad_ = 0;
   double residual_ = 0;  // of completed_, of dense contacts
   double allowed_ = 0;
+  double backward_error_ = 0;
   Vector velocity_;          // v of contacts
   std::vector<char> moves_;  // by island: a contact approaches there
   Vector completed_;         // n

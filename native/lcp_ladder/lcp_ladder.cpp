@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/timed_solve.h"
 
 namespace lcpbench {
 namespace {
+
+/// An answer with a larger backward error passes, but later stages may still find a better one.
+constexpr double kAccurate = 1e-9;
 
 /// Tolerances near rounding.
 constexpr double kTightPivot = 1e-13;
@@ -93,10 +97,11 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
       Step{Stage::kExact, "all supports", &LcpLadder::run_exact}};
   pivots_ = 0;
   ended_by_share_ = ended_in_ray_ = is_inaccurate_ = false;
+  least_error_ = std::numeric_limits<double>::infinity();
   for (const auto& [stage, name, run] : kSteps) {
     if (!has(stage)) continue;
     if (!(wall_clock_s() < deadline_s_)) {
-      answer.claim = Claim::kTimeLimit;
+      if (answer.claim != Claim::kSolved) answer.claim = Claim::kTimeLimit;
       return;
     }
     (this->*run)(stage);
@@ -105,8 +110,17 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
     answer.counters.factorizations += std::max<std::int64_t>(attempt_.counters.factorizations, 0);
     pivots_ = answer.counters.pivots;
     is_inaccurate_ = is_inaccurate_ || attempt_.detail == "residual";
-    if (is_final(stage, answer, text)) {
-      if (answer.claim == Claim::kSolved) text = name;
+    if (attempt_.claim == Claim::kSolved) {
+      const double error = lemke_.answer_test().backward_error();
+      if (error < least_error_) {
+        answer.claim = Claim::kSolved;
+        answer.z = attempt_.z;
+        text = name;
+        least_error_ = error;
+      }
+      if (error <= kAccurate) return;
+      is_inaccurate_ = true;
+    } else if (is_final(stage, answer, text)) {
       return;
     }
   }
@@ -174,20 +188,17 @@ void LcpLadder::run_exact(Stage /*stage*/) {
   lemke_.answer_test().settle(attempt_, deadline_s_);
 }
 
-/// Whether attempt_, which was tested, leaves nothing more to be tried; if so `answer` is what it says, and `text`,
-/// unless it is solved.
+/// Whether attempt_, which solves nothing, leaves nothing more to be tried; if so `answer` and `text` are what it says,
+/// unless there is an answer already.
 bool LcpLadder::is_final(Stage stage, Answer& answer, const char*& text) {
-  if (attempt_.claim == Claim::kSolved) {
-    answer.claim = Claim::kSolved;
-    answer.z = attempt_.z;
-    return true;
-  }
   if (attempt_.claim == Claim::kUnsolvable) {
     answer.claim = Claim::kUnsolvable;
+    answer.z.setZero();
     answer.farkas = attempt_.farkas;
     text = "proven by u >= 0 with M'u <= 0, q'u < 0";
     return true;
   }
+  if (answer.claim == Claim::kSolved) return attempt_.claim == Claim::kTimeLimit;
   if (attempt_.claim == Claim::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;
     return true;

@@ -9,8 +9,8 @@
 
 namespace lcpbench {
 
-/// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
-/// no solution.
+/// Solves a bare LCP by one method after the other until an answer passes AnswerTest with a backward error of at most
+/// 1e-9, or the problem is proven to have no solution; the best that passed where no stage is as accurate.
 ///
 /// The stages, in this order:
 /// - SparsePivoting, if its load() takes M;
@@ -79,7 +79,8 @@ class LcpLadder {
   std::int64_t covering_pivots_ = 0;  // of the stage kCovering
   bool ended_by_share_ = false;       // the stage kLemke, by share_of_pivots()
   bool ended_in_ray_ = false;         // the stage kLemke
-  bool is_inaccurate_ = false;        // some stage's answer failed the test by its residual
+  bool is_inaccurate_ = false;        // some stage's answer failed the test by its residual, or hardly passed
+  double least_error_ = 0;            // of those that passed
 };
 
 }  // namespace lcpbench

@@ -13,8 +13,8 @@ namespace {
 constexpr int kChances = 10;
 /// Limit of the nonzeros of all blocks and factors, in multiples of n^2: the work of a few pivots on a dense tableau.
 constexpr std::int64_t kWork = 4;
-/// Negative z are below minus this part of max|z|, negative w below minus this part of a bound on the terms of their
-/// sum: far above rounding, far below what the test of answers allows.
+/// Negative z are below minus this part of max|z|, negative w below minus this part of the terms of their sum: far above
+/// rounding, far below what the test of answers allows.
 constexpr double kZero = 0x1p-40;
 /// A diagonal entry is the pivot unless it is smaller than this part of the largest in its column: other pivots change
 /// the order, and with it the number of nonzeros.
@@ -59,7 +59,7 @@ bool SparsePivoting::load(const Lcp& lcp) {
   q_ = to * lcp.q;
   row_.resize(static_cast<std::size_t>(n));
   for (Index i = 0; i < n; ++i) row_[static_cast<std::size_t>(to.indices()(i))] = i;
-  row_norm_ = M_.cwiseAbs() * Vector::Ones(n);
+  sizes_ = M_.cwiseAbs();
   return true;
 }
 
@@ -105,11 +105,11 @@ bool SparsePivoting::find_basic_solution() {
 
 void SparsePivoting::find_negative() {
   const double largest = z_.size() > 0 ? z_.cwiseAbs().maxCoeff() : 0;
+  const Vector terms = q_.cwiseAbs() + sizes_ * z_.cwiseAbs();
   negative_.clear();
   for (Index i = 0; i < q_.size(); ++i) {
     const bool is_basic = basic_[static_cast<std::size_t>(i)] != 0;
-    const bool negative = is_basic ? z_(i) < -kZero * largest
-                                   : w_(i) < -kZero * (std::abs(q_(i)) + row_norm_(i) * largest);
+    const bool negative = is_basic ? z_(i) < -kZero * largest : w_(i) < -kZero * terms(i);
     if (negative) negative_.push_back(i);
   }
 }

@@ -45,8 +45,8 @@ class SparsePivoting {
   bool find_basic_solution();
   void find_negative();
 
-  SparseMatrix M_;            // in an order in which elimination makes few nonzeros
-  Vector q_, row_norm_;       // in that order
+  SparseMatrix M_, sizes_;    // M and |M| in an order in which elimination makes few nonzeros
+  Vector q_;                  // in that order
   std::vector<Index> row_;    // in the problem, of each row in that order
   Vector z_, w_;              // of the present basis
   std::vector<char> basic_;   // n: z_i is
