@@ -79,6 +79,8 @@ bool cholesky_in_place(Matrix& A, double deadline_s) {
 /// How a run of the method ends.
 enum class InteriorEnd { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
 
+constexpr const char* kAcceptedAsItIs = "no step reduces the residual further; accepted as it is";
+
 const char* words_of(InteriorEnd end) {
   switch (end) {
     case InteriorEnd::kStalled: return "no step reduces the residual further";
@@ -144,6 +146,7 @@ class PrimalDual final : public Solver {
   bool line_search(double t);
   double lcp_residual();
   void finish_on_support(double deadline_s, Vector& z);
+  void exchange_negative(Vector& z);
   void settle(InteriorEnd end, double deadline_s, Answer& answer);
 
   PrimalDualSettings settings_;
@@ -156,6 +159,7 @@ class PrimalDual final : public Solver {
   Point point_, trial_, direction_;
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
   Vector work_;            // n
+  Vector unfinished_;      // n
   AnswerTest test_;
   Matrix newton_, factor_;
   std::vector<Index> support_;  // n
@@ -185,7 +189,7 @@ void PrimalDual::on_load(const Problem& problem) {
 
 void PrimalDual::resize_workspace(Index n) {
   for (Point* point : {&point_, &trial_, &direction_}) point->resize(n);
-  for (Vector* vector : {&r_dual_, &r_pri_, &work_}) vector->resize(n);
+  for (Vector* vector : {&r_dual_, &r_pri_, &work_, &unfinished_}) vector->resize(n);
   newton_.resize(n, n);
   factor_.resize(n, n);
   support_.resize(static_cast<std::size_t>(n));
@@ -335,9 +339,16 @@ double PrimalDual::lcp_residual() {
   return worst;
 }
 
-/// The solution of M z = -q on the rows and columns of the nonzero entries of z, by elimination with complete pivoting;
-/// what depends on the pivots before it, to rounding, or comes after the deadline, stays zero. O(k^3). Spoils factor_
-/// and work_.
+/// The power of two by which the largest entry comes near 1; 1 for zeros.
+template <class Entries>
+double scale_of(const Entries& entries) {
+  const double largest = entries.cwiseAbs().maxCoeff();
+  return largest > 0 ? std::exp2(-std::ilogb(largest)) : 1;
+}
+
+/// The solution of M z = -q on the rows and columns of the nonzero entries of z, by elimination with complete pivoting
+/// of what is scaled to entries of about 1; what depends on the pivots before it, to rounding, or comes after the
+/// deadline, stays zero. O(k^3). Spoils factor_, direction_ and work_.
 void PrimalDual::finish_on_support(double deadline_s, Vector& z) {
   constexpr double kDependent = 1e-12;
   Index order = 0;
@@ -348,8 +359,17 @@ void PrimalDual::finish_on_support(double deadline_s, Vector& z) {
   auto x = work_.head(order);
   const auto member = [this](Index k) { return support_[static_cast<std::size_t>(k)]; };
   for (Index c = 0; c < order; ++c) {
-    x(c) = -q_(member(c));
     for (Index r = 0; r < order; ++r) block(r, c) = M_(member(r), member(c)) - (r == c ? shift_ : 0.0);
+  }
+  for (Index r = 0; r < order; ++r) {
+    const double scale = scale_of(block.row(r));
+    block.row(r) *= scale;
+    x(r) = -scale * q_(member(r));
+  }
+  auto scale = direction_.z.head(order);  // of columns
+  for (Index c = 0; c < order; ++c) {
+    scale(c) = scale_of(block.col(c));
+    block.col(c) *= scale(c);
   }
   double first = 0;
   Index rank = 0;
@@ -363,6 +383,7 @@ void PrimalDual::finish_on_support(double deadline_s, Vector& z) {
     block.row(rank).swap(block.row(rank + row));
     std::swap(x(rank), x(rank + row));
     block.col(rank).swap(block.col(rank + column));
+    std::swap(scale(rank), scale(rank + column));
     std::swap(support_[static_cast<std::size_t>(rank)], support_[static_cast<std::size_t>(rank + column)]);
     for (Index r = rank + 1; r < order; ++r) {
       const double factor = block(r, rank) / block(rank, rank);
@@ -374,22 +395,46 @@ void PrimalDual::finish_on_support(double deadline_s, Vector& z) {
   for (Index k = rank; k-- > 0;) {
     x(k) /= block(k, k);
     x.head(k) -= x(k) * block.col(k).head(k);
-    z(member(k)) = x(k);
+    z(member(k)) = scale(k) * x(k);
   }
 }
 
+/// The z_i below zero become zero, and those whose w_i is become positive: the next support. Spoils work_
+void PrimalDual::exchange_negative(Vector& z) {
+  work_ = q_ - shift_ * z;
+  work_.noalias() += M_ * z;
+  for (Index i = 0; i < z.size(); ++i) z(i) = z(i) == 0 && work_(i) < 0 ? 1 : std::max(z(i), 0.0);
+}
+
 /// An interior point has no zeros, and is only as near to w = 0 as its gap: those that the residual takes for zero
-/// become so, and where that does not pass, what remains is solved for. @pre answer.z is point_.z, and work_ its w
+/// become so, and where that does not pass, or is not accurate, what remains is solved for; of a bare LCP a few times
+/// more, after the exchange of what is negative then. If none of that passes, the former is the answer to a bare LCP, or
+/// else the point as it is. @pre answer.z is point_.z, and work_ its w
 void PrimalDual::settle(InteriorEnd end, double deadline_s, Answer& answer) {
+  constexpr double kAccurate = 1e-9;
+  constexpr int kMostExchanges = 10;
   for (Index i = 0; i < q_.size(); ++i) {
     if (column_scale_(i) * answer.z(i) < work_(i)) answer.z(i) = 0;
   }
-  if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
+  const bool is_bare = problem().contact() == nullptr;
+  const bool passes = test_.settle(answer, deadline_s);
+  if (passes ? !is_bare || test_.backward_error() <= kAccurate : answer.claim != Claim::kNumericalFailure) return;
+  const bool stalled = end == InteriorEnd::kStalled;
+  unfinished_ = passes ? answer.z : point_.z;
   answer.claim = Claim::kSolved;
-  answer.detail = end == InteriorEnd::kStalled ? "no step reduces the residual further; finished on its support"
-                                               : "finished on its support";
-  finish_on_support(deadline_s, answer.z);
-  if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
+  answer.detail = stalled ? "no step reduces the residual further; finished on its support" : "finished on its support";
+  for (int exchanges = is_bare ? kMostExchanges : 0;; --exchanges) {
+    finish_on_support(deadline_s, answer.z);
+    if (test_.settle(answer, deadline_s) || answer.claim == Claim::kUnsolvable) return;
+    if (exchanges == 0 || !(wall_clock_s() < deadline_s)) break;
+    answer.claim = Claim::kSolved;
+    exchange_negative(answer.z);
+  }
+  answer.z = unfinished_;
+  if (!is_bare) return;
+  answer.claim = Claim::kSolved;
+  answer.detail = stalled ? kAcceptedAsItIs : "";
+  test_.settle(answer, deadline_s);
 }
 
 void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
@@ -411,7 +456,7 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
     answer.detail = "converged to a point that does not solve the LCP";
   } else if (end == InteriorEnd::kStalled && accepted) {
     answer.claim = Claim::kSolved;
-    answer.detail = "no step reduces the residual further; accepted as it is";
+    answer.detail = kAcceptedAsItIs;
   }
   if (answer.claim == Claim::kSolved && settings_.test == FinalTest::kResidual) settle(end, deadline_s, answer);
 }
