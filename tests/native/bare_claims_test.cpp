@@ -1,4 +1,5 @@
 // What native solvers do with bare LCPs (q, M): blocks, games, proofs. tests/attack has small problems of every kind.
+#include <cmath>
 #include <limits>
 #include <random>
 #include <string>
@@ -8,13 +9,16 @@
 
 #include "core/answer/exact_sum.h"
 #include "core/answer/farkas.h"
+#include "core/answer/lcp_error.h"
 #include "core/registry.h"
 #include "core/spec.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
+#include "native/answer_test/bare_lcp_test.h"
 #include "native/lcp_ladder/covering_lemke.h"
 #include "native/proofs/farkas_search.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/support/solving.h"
 
 namespace lcpbench::bare_claims_test {
 namespace {
@@ -111,7 +115,74 @@ TEST(BareClaimsTest, AutoSolvesGamesThatTheRulesOfLemkeDoNot) {
   EXPECT_LT(by_lemke, 10);
 }
 
+// --- what is measured row by row ---
+
+/// z_0 <= 1 and z_0 >= 2, with multipliers as large as one likes.
+const Lcp kContradiction = lcp_of(3, {0, 1, -1, -1, 0, 0, 1, 0, 0}, {0, 1, -2});
+
+TEST(BareClaimsTest, HugeMultipliersSolveNothing) {
+  const Problem problem("contradiction", kContradiction);
+  for (const std::string& solver : testing::native_solvers()) {
+    EXPECT_NE(solve(solver, problem).claim, Claim::kSolved) << solver;
+  }
+  EXPECT_EQ(solve("auto", problem).claim, Claim::kUnsolvable);
+}
+
+// The entries of z are powers of two from 2^-40 to 2^40.
+TEST(BareClaimsTest, AutoFindsEntriesOfEverySize) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
+    const Answer answer = solve("auto", open_set("hard/scaling/columns")->generate(seed, 0));
+    ASSERT_EQ(answer.claim, Claim::kSolved) << seed << ": " << answer.detail;
+    for (const double z : answer.z) EXPECT_NEAR(z / std::exp2(std::round(std::log2(z))), 1, 1e-9) << seed;
+  }
+}
+
 // --- the parts ---
+
+TEST(BareLcpTest, BoundsTheErrorOfTheVerdict) {
+  std::mt19937_64 random(31);
+  const auto number = [&](int bits) {
+    const int exponent = static_cast<int>(random() % static_cast<std::uint64_t>(2 * bits + 1)) - bits;
+    const double digits = static_cast<double>(random() % 2001) / 1000 - 1;
+    return std::ldexp(digits, exponent);
+  };
+  for (int trial = 0; trial < 400; ++trial) {
+    const Index n = 1 + trial % 6;
+    const int bits = trial % 4 == 0 ? 0 : trial % 4 == 1 ? 20 : trial % 4 == 2 ? 300 : 900;
+    Lcp lcp{Matrix(n, n), Vector(n)};
+    for (double& x : lcp.M.reshaped()) x = random() % 3 == 0 ? 0 : number(bits);
+    for (double& x : lcp.q) x = number(bits);
+    Vector z(n);
+    for (double& x : z) x = random() % 2 == 0 ? 0 : std::abs(number(bits));
+    BareLcpTest test;
+    test.load(lcp);
+    const double exact = to_double(lcp_error<Quad>(lcp, {z.begin(), z.end()}).backward);
+    EXPECT_GE(test.backward_error(z), exact * (1 - 1e-14)) << trial;
+    if (std::isfinite(exact)) {
+      EXPECT_LE(test.backward_error(z), exact * (1 + 1e-13) + 1e-13) << trial;
+    }
+  }
+}
+
+TEST(BareLcpTest, TellsWhatContradictsItselfFromWhatIsNearASolution) {
+  BareLcpTest test;
+  test.load(kContradiction);
+  EXPECT_NEAR(test.backward_error(Vector{{1.5, 1e7, 1e7}}), 0.2, 1e-14);
+  EXPECT_EQ(test.backward_error(Vector{{1.5, -1, 0}}), std::numeric_limits<double>::infinity());
+  // z_0 <= 1 and z_0 >= 1 + 1e-7, which passes, and is disproved.
+  const Lcp nearly = lcp_of(3, {0, 1, -1, -1, 0, 0, 1, 0, 0}, {0, 1, -1.0000001});
+  test.load(nearly);
+  const Vector z{{1.00000005, 1, 1}};
+  EXPECT_LE(test.backward_error(z), kClaimedBackwardError);
+  ASSERT_TRUE(test.disproves(z, kForever));
+  EXPECT_TRUE(proves_unsolvable(nearly, test.proof()));
+  // z_0 = 1, known to seven digits: the basis has a solution near by.
+  const Lcp regular = lcp_of(2, {1, 0, 0, 1}, {-1, 1});
+  test.load(regular);
+  const Vector rounded{{1.0000001, 0}};
+  EXPECT_LE(test.backward_error(rounded), kClaimedBackwardError);
+  EXPECT_FALSE(test.disproves(rounded, kForever));
+}
 
 TEST(ExactSumTest, KnowsTheSignWhereEverythingCancels) {
   ExactSum sum;

@@ -296,6 +296,34 @@ TEST(MixedLcpTest, UnsolvableIsSaidOnlyWhereNothingWasRounded) {
   EXPECT_EQ(solved({"boxed", lcp}).answer.farkas.size(), 0);  // it would be one of the reduced problem
 }
 
+/// Row 0 holds what row 1 presses: friction by mu, row 1 from `lower` to `upper`.
+Lcp with_friction(const Matrix& M, const Vector& q, double mu, double lower, double upper) {
+  Lcp lcp{M, q, LcpBounds::nonnegative(2)};
+  lcp.bounds.lower = Vector{{-kNone, lower}};
+  lcp.bounds.upper = Vector{{kNone, upper}};
+  lcp.bounds.friction_of[0] = 1;
+  lcp.bounds.mu(0) = mu;
+  return lcp;
+}
+
+TEST(MixedLcpTest, WhatNativeSolversClaimIsTrueOfTheMixedProblem) {
+  const Problem problems[] = {
+      // Products of these numbers are no doubles.
+      {"tiny", with_friction(1e-90 * Matrix{{3, -1}, {-1, 4}}, 1e-90 * Vector{{-2, 0}}, 0, 0, 1e-300)},
+      {"tinier", with_friction(1e-200 * Matrix{{3, -1}, {-1, 4}}, 1e-200 * Vector{{-2, -3}}, 0.5, 0, 1e-150)},
+      // The limit's last digit is larger than anything in its row.
+      {"far limit", with_friction(Matrix{{0, 0}, {0, 1}}, Vector{{3, -1}}, 49152.1, 5e8 / 3, kNone)},
+      {"far free", with_friction(Matrix{{0x1p-60, 0}, {0, 1}}, Vector{{-3, -1e9}}, 1.1e9, 0, kNone)}};
+  for (const Problem& problem : problems) {
+    for (const RegisteredSolver& solver : registered_solvers()) {
+      if (!solver.native()) continue;
+      const Solved result = solved(problem, solver.definition.name.c_str());
+      if (result.answer.claim != Claim::kSolved) continue;
+      EXPECT_TRUE(result.errors.solved) << solver.definition.name << ", " << problem.name();
+    }
+  }
+}
+
 TEST(MixedLcpTest, APartOfTheRowsKeepsItsBounds) {
   LcpBounds bounds = LcpBounds::nonnegative(3);
   bounds.friction_of = {-1, 0, 0};

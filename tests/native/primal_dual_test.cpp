@@ -72,6 +72,20 @@ TEST(PrimalDualTest, SaysWhenItsToleranceWasOutOfReach) {
   EXPECT_EQ(solve(lcp, "accept_residual=1e-12").claim, Claim::kNumericalFailure);
 }
 
+// The method itself stops at absolute tolerances; its support is solved for with rows and columns of one scale.
+TEST(PrimalDualTest, FinishesOnASupportOfEveryScale) {
+  for (const Index n : {4, 9, 12}) {
+    Lcp lcp{testing::tridiagonal(n, 4, -1), Vector(n)};
+    Vector scale(n);
+    for (Index i = 0; i < n; ++i) scale(i) = std::ldexp(1.0, static_cast<int>(i % 4) * 8 - 12);
+    lcp.M = scale.asDiagonal() * lcp.M * scale.asDiagonal();
+    lcp.q = -lcp.M * scale.cwiseInverse();
+    const Answer answer = solve(lcp);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << n << ": " << answer.detail;
+    EXPECT_TRUE(answer.z.cwiseProduct(scale).isApprox(testing::ones(n), 1e-9)) << answer.z.transpose();
+  }
+}
+
 TEST(PrimalDualTest, TheShiftSolvesTheShiftedProblem) {
   const Lcp lcp{testing::matrix_of(2, {2, 0, 0, 4}), testing::vector_of({-2, -4})};
   const Answer answer = solve(lcp, "diagonal_shift=0.25,accept_residual=1,test=none");  // + 1 on the diagonal

@@ -182,5 +182,20 @@ TEST(SupportSearchTest, SolvesWhatSpans2000Bits) {
   EXPECT_LE(testing::relative_residual(lcp, found.z), 1e-14);
 }
 
+// Entries of z from 2^-120 to 2^120: what elimination leaves of a small one is no rounding of a large one.
+TEST(SupportSearchTest, DoesNotDependOnTheScaleOfColumns) {
+  const Index n = 7;
+  Matrix M = testing::tridiagonal(n, 4, -1);
+  const Vector q = -M * testing::ones(n);
+  Vector expected(n);
+  for (Index j = 0; j < n; ++j) {
+    expected(j) = std::ldexp(1.0, static_cast<int>(40 * ((3 * j) % n) - 120));
+    M.col(j) /= expected(j);
+  }
+  const Enumerated found = enumerate(Lcp{M, q});
+  ASSERT_TRUE(found.solvable);
+  EXPECT_EQ(found.z, expected);
+}
+
 }  // namespace
 }  // namespace lcpbench::support_search_test
