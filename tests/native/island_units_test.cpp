@@ -25,7 +25,9 @@ class Bodies {
   /// The units for these speeds, which are the sums of terms of that size.
   Vector units_for(const Vector& v, const Vector& magnitudes) {
     units_.clear();
-    for (Index i = 0; i < v.size(); ++i) units_.add_row(i, v(i), magnitudes(i));
+    for (Index i = 0; i < v.size(); ++i) {
+      units_.add_row(i, {.approach = std::abs(v(i)), .magnitudes = magnitudes(i)});
+    }
     units_.choose(v);
     Vector units(v.size());
     for (Index i = 0; i < v.size(); ++i) {
