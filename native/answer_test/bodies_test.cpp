@@ -171,6 +171,7 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   } else {
     numbers_.find(contact);
   }
+  scales_.reserve(static_cast<std::size_t>(numbers_.count));
   set_velocity(contact.v);
   sizes_ = {.ngc = contact.ngc(), .islands = numbers_.count};
   places_.clear();

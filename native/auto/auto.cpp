@@ -338,7 +338,12 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   whole_.solve(request.start, limits_of(request), answer, report);
   answer.counters = report.counters();
   if (answer.claim == Claim::kSolved) return report.write_text(answer.detail);
-  if (answer.claim == Claim::kUnsolvable || !whole_rests()) return;
+  if (answer.claim == Claim::kUnsolvable) return;
+  if (!whole_rests()) {
+    const Index impulses = problem().contact()->nc() + cols(problem().contact()->D);
+    if (answer.z.size() == problem().size() && answer.z.head(impulses).isZero(0)) bound_slips(v_, answer.z);
+    return;
+  }
   answer.velocity.resize(0);
   answer.claim = Claim::kSolved;
   answer.z = Vector::Zero(problem().size());

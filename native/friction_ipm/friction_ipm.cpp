@@ -285,9 +285,10 @@ void FrictionIpm::begin(const Vector* /*start*/, double error) {
 /// The next convex problem, with the bounds in offset_. @param residual the least so far, or of the start
 void FrictionIpm::begin_round(double residual) {
   method_.set_velocity(state_.u0, offset_, state_.scale, state_.speed);
-  const double least = kConvexShare * best_.tolerance;
+  const double size = std::max(1.0, method_.size_over_scale());
+  const double least = kConvexShare * best_.tolerance * size;
   const double next = kNextConvex * residual;
-  const double most = best_.tolerance < kToRounding ? least : std::max(least, kFirstConvex);
+  const double most = best_.tolerance < kToRounding ? least : std::max(least, kFirstConvex * size);
   method_.aim_at(has_friction() ? std::clamp(next, least, most) : least);
   if (now_.goes_on) {
     method_.begin_near(now_.residual);

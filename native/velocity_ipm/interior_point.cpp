@@ -108,15 +108,18 @@ bool InteriorPoint::is_idle(Index contact) const {
   return b_.size() > 0 && diagonal_(contact) == 0 && q_(contact) > 0;
 }
 
-/// speed_: the largest approach, at least `speed` where there is one; 0 where z = 0 is the solution. Infinity also for
-/// NaN, which must not pass for zero. An idle contact's offset is cut to it.
+/// speed_: the largest |q|, but no more than kFar times the largest approach and `speed`: a contact may be open by far
+/// more. 0 where z = 0 is the solution of all that is asked. Infinity also for NaN, which must not pass for zero. An
+/// idle contact's offset is cut to it.
 void InteriorPoint::measure_q(double speed) {
-  speed_ = 0;
+  constexpr double kFar = 100;
+  double largest = 0, approach = 0;
   for (Index i = 0; i < q_.size(); ++i) {
-    if (!is_idle(i)) speed_ = max_or_infinity(speed_, -q_(i));
+    if (is_idle(i)) continue;
+    largest = max_or_infinity(largest, std::abs(q_(i)));
+    approach = max_or_infinity(approach, -q_(i));
   }
-  if (speed_ > 0) speed_ = std::max(speed_, speed);
-  if (!(scale_ > 0)) speed_ = 0;
+  speed_ = scale_ > 0 ? std::min(largest, kFar * std::max(approach, speed)) : 0;
   for (Index i = 0; i < q_.size(); ++i) {
     if (is_idle(i)) q_(i) = std::min(q_(i), speed_);
   }
@@ -249,7 +252,7 @@ void InteriorPoint::begin_near(double residual) {
   for (const Kept& kept : kept_) {
     if (kept.residual > 0 && (nearest == nullptr || kept.residual >= kRoom * residual)) nearest = &kept;
   }
-  if (nearest == nullptr) return begin();
+  if (nearest == nullptr || speed_ == 0) return begin();  // without an approach z = 0, whatever was kept
   point_ = nearest->point;
   forget_steps();
 }

@@ -82,6 +82,8 @@ class InteriorPoint {
 
   /// In the units of the islands (IslandUnits); after set_velocity(v, offset) in the units of its arguments.
   const Vector& impulses() const { return point_.f; }
+  /// The size of q over the scale.
+  double size_over_scale() const { return speed_ > 0 ? speed_ / scale_ : 1; }
   /// f of the contacts that are pressed rather than parting, in the same units; 0 for the others.
   void pressed_contacts(Vector& f) const;
   /// ResumableSolver::best(), among the points at which it was called since begin() or begin_near().
