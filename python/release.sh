@@ -11,6 +11,7 @@ stop() { say "release: $*"; exit 1; }
 
 version=$(sed -n 's/^project(lcpbench VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 [ -z "$(git status --porcelain)" ] || stop "the tree has changes: $(git status --porcelain | head -1)"
+results/age.sh || stop "README's times are older than the code: results/measure.sh"
 build_preset release -DLCPBENCH_TESTS=ON
 bash tests/package/version_test.sh . build/release/lcpbench "$version" || stop "versions disagree"
 

@@ -154,7 +154,8 @@ def solved_of_met(row):
     return f"{percent(solved / met)} %" if met >= LEAST_PROBLEMS else f"{solved} of {met}"
 
 
-SCENES = ("auto", "contact_lemke", "friction_ipm", "psor", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si")
+SCENES = ("auto", "contact_lemke", "contact_ipm", "friction_ipm", "psor", "cone_ipm{cone=true}", "siconos_fc3d{cone=true}", "ipopt_mpcc", "simbody_plus{cone=true}",
+          "ode_quickstep{iterations=1000}", "dart_dantzig", "bullet_si")
 
 
 def scenes_table(solvers=()):
@@ -190,15 +191,19 @@ def way(row, lost):
 
 
 def steps_table():
-    """What a second of a scene becomes, and what it costs, with steppers at their defaults, for the README."""
-    with open(ROOT / "results/replay/cost.csv", newline="") as file:
+    """What a second of a scene becomes, and what it costs, in the ways of results/replay/steps.py, for the README."""
+    with open(ROOT / "results/replay/steps.csv", newline="") as file:
         rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
-    scenes = {"pyramid-55": "55-cube pyramid", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
-    names = {("exact", "ODE"): "`auto`, one exact solve", ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps",
-             ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped"}
+    scenes = {"pyramid-55": "55-cube pyramid", "wall": "wall", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper", "box-pile": "falling pile"}
+    names = {("exact", "ODE"): "`auto`", ("exact{solver=auto{error=1e-4}}", "ODE"): "`auto{error=1e-4}`",
+             ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps", ("sequential_impulses{iterations=50}", "ODE"): "the same, 50 sweeps",
+             ("engine", "Bullet"): "Bullet {} as shipped", ("engine", "DART"): "DART {} as shipped", ("engine", "MuJoCo"): "MuJoCo {} as shipped"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
     for (stepper, engine), name in names.items():
-        lines.append(f"| {name} | {' | '.join(way(rows[scene, stepper, engine], 'lost') for scene in scenes)} |")
+        cells = [rows.get((scene, stepper, engine)) for scene in scenes]
+        if any(cells):
+            version = next(row for row in cells if row)["version"]
+            lines.append(f"| {name.format(version)} | {' | '.join(way(row, 'lost') if row else '-' for row in cells)} |")
     return "\n".join(lines) + "\n"
 
 
