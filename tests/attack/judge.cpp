@@ -86,7 +86,12 @@ std::vector<Part> islands(const ContactProblem& contact, const ContactLayout& la
   return result;
 }
 
-/// The root of a >= 0 from above, to 2^-60 of it.
+/// a / b for b > 0, to 2^-200 of it.
+Dyadic divided(const Dyadic& a, const Dyadic& b) {
+  return {Integer((a.numerator() << 512) / b.numerator()), a.exponent() - b.exponent() - 512};
+}
+
+/// The root of a >= 0 from above, to 2^-120 of it.
 Dyadic root(const Dyadic& a) {
   if (a.sign() == 0) return a;
   const long exponent = a.exponent() - 256 - (a.exponent() % 2 != 0 ? 1 : 0);
@@ -123,7 +128,8 @@ struct Judge::Data {
   DyadicVector mu;        // nc
   Inverse response;       // G*
   DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
-  DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074)
+  DyadicVector speed;     // of the impulse rows: |J_i'v|
+  DyadicVector rounding;  // of the impulse rows: (k + 1) (2^-53 |J_i|'|v| + 2^-1074)
   DyadicVector velocity;  // ngc: before the impact
   DyadicMatrix softness;  // of the impulse rows: r_n, and r_t C'C
   DyadicMatrix G;         // none if only G* is given
@@ -173,13 +179,14 @@ struct Judge::Data {
     if (!std::holds_alternative<InverseInertia>(contact.inertia)) G = exact_inertia(contact.inertia);
     const DyadicVector v = exact(contact.v);
     q = product(transposed(J), v);
+    for (const Dyadic& velocity_of_row : q) speed.push_back(abs(velocity_of_row));
     q.resize(at(layout.size()));
     for (Index i = 0; i < contact.b.size(); ++i) q[at(i)] = q[at(i)] + Dyadic(contact.b(i));
     velocity = v;
     add_softness(contact);
     const DyadicMatrix moved = product(response.numerator, J);
     for (Index i = 0; i < J.cols; ++i) {
-      Dyadic square;
+      Dyadic square = softness(i, i) * response.denominator;
       Dyadic magnitude;
       double terms = 1;
       for (Index k = 0; k < J.rows; ++k) {
@@ -187,15 +194,8 @@ struct Judge::Data {
         magnitude = magnitude + abs(J(k, i) * v[at(k)]);
         if (J(k, i).sign() != 0) ++terms;
       }
-      if (i < layout.nc && contact.offset(i) != 0) {
-        magnitude = magnitude + abs(Dyadic(contact.offset(i)));
-        ++terms;
-      }
-      magnitude = magnitude + abs(offset_t[at(i)]);
-      if (offset_t[at(i)].sign() != 0 || softness(i, i).sign() != 0) ++terms;
-      square = square + softness(i, i) * response.denominator;
       diagonal.push_back(square);
-      floor.push_back(Dyadic(terms) * (Dyadic(0x1p-53) * magnitude + Dyadic(0x1p-1074)));
+      rounding.push_back(Dyadic(terms) * (Dyadic(0x1p-53) * magnitude + Dyadic(0x1p-1074)));
     }
     for (Index c = 0; c < layout.nc; ++c) {
       for (Index t = layout.friction_begin[at(c)]; t < layout.friction_begin[at(c) + 1]; ++t) {
@@ -205,19 +205,15 @@ struct Judge::Data {
     parts = islands(contact, layout);
   }
 
-  DyadicVector offset_t;  // of the impulse rows
-
   /// Contacts have 0, 2 or 4 edges: directions along the tangents.
   void add_softness(const ContactProblem& contact) {
     softness = DyadicMatrix(J.cols, J.cols);
-    offset_t.resize(at(J.cols));
     Index first = layout.nc;
     for (Index c = 0; c < layout.nc; ++c) {
       softness(c, c) = Dyadic(contact.normal_compliance(c));
       const int edges = contact.edges[at(c)];
       for (int k = 0; k < edges; ++k) {
-        offset_t[at(first + k)] = slip_offset(contact, c, k);
-        q[at(first + k)] = q[at(first + k)] + offset_t[at(first + k)];
+        q[at(first + k)] = q[at(first + k)] + slip_offset(contact, c, k);
         const Dyadic r(contact.tangential_compliance(c));
         softness(first + k, first + k) = r;
         softness(first + k, first + (k + edges / 2) % edges) = -r;
@@ -308,12 +304,36 @@ struct Judge::Data {
         if (G.rows > 0 && most * response.denominator < of_solving * root(G(i, i))) {
           of_solving = Dyadic(quotient(most, root(G(i, i)))) * response.denominator;  // which may be beyond double
         }
+        const Dyadic least = Dyadic(1e-8) * max(response.denominator, root(response.numerator(i, i) * energy * response.denominator));
+        const Dyadic tolerance(kSolvedReturnedVelocity);
         result.velocity[at(i)] = result.velocity[at(i)] + v;
-        result.bound[at(i)] =
-            Dyadic(kSolvedVelocityResidual) * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding + of_solving;
+        result.bound[at(i)] = max(tolerance * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding + of_solving,
+                                  tolerance * least);
       }
     }
     return result;
+  }
+
+  /// What no impulses leave of the convex model's conditions: |P(-w)|, P the nearest point of |f_t| <= mu f_N.
+  Dyadic convex_without(Index contact) const {
+    const std::size_t row = at(layout.friction_offset() + layout.friction_begin[at(contact)]);
+    const Dyadic &slope = mu[at(contact)], aim = -q[at(contact)];
+    const Dyadic reach = q[row] * q[row] + q[row + 1] * q[row + 1], square = slope * slope;
+    if (aim.sign() >= 0 && reach <= square * aim * aim) return root(aim * aim + reach);
+    if (aim.sign() <= 0 && square * reach <= aim * aim) return {};
+    return divided(aim + slope * root(reach), root(Dyadic(1.0) + square));
+  }
+
+  /// scale_I of an island.
+  Dyadic scale(const std::vector<Index>& island, bool convex) const {
+    Dyadic scale(1e-8);
+    for (const Index i : island) {
+      if (i >= J.cols) continue;
+      scale = max(scale, max(Dyadic(1e-6) * speed[at(i)], divided(rounding[at(i)], Dyadic(kSolvedVelocityResidual))));
+      if (i >= layout.nc) continue;
+      scale = max(scale, convex && layout.lambda[at(i)] >= 0 ? convex_without(i) : -q[at(i)]);
+    }
+    return scale;
   }
 
   /// A vector along the two tangents of a contact, times the square of the denominator of G*.
@@ -389,21 +409,17 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
   for (const auto& [coordinates, island] : data.parts) {
     Dyadic residual;
     std::vector<Index> cones;
-    Dyadic largest_q;
-    Dyadic floor;
     for (const Index i : island) {
       Dyadic a;
       Dyadic b;
       if (i < data.J.cols) {
         a = data.diagonal[at(i)] * z[at(i)] * denominator;
         b = w[at(i)] * denominator;
-        floor = max(floor, data.floor[at(i)]);
       } else {
         const Index contact = data.layout.cone_contact[at(i - data.layout.lambda_offset())];
         a = z[at(i)] * square;
         b = w[at(i)] * data.diagonal[at(contact)];
       }
-      largest_q = max(largest_q, abs(data.q[at(i)]));
       const bool convex = friction == Friction::kConvex && i < data.layout.nc && data.layout.lambda[at(i)] >= 0;
       if (!convex && (friction == Friction::kPyramid || i < data.layout.nc)) {
         residual = max(residual, abs(min(a, b)));
@@ -411,12 +427,12 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
         cones.push_back(data.layout.cone_contact[at(i - data.layout.lambda_offset())]);
       }
     }
-    const Dyadic limit = max(tolerance * largest_q, floor) * square;
+    const Dyadic scale = data.scale(island, friction == Friction::kConvex);
+    const Dyadic limit = tolerance * scale * square;
     solved = solved && residual <= limit && std::all_of(cones.begin(), cones.end(), [&](Index contact) {
                return friction == Friction::kConvex ? data.convex_holds(contact, z, w, limit)
                                                     : data.cone_holds(contact, z, w, limit);
              });
-    const Dyadic scale = max(largest_q, floor * Dyadic(1 / kSolvedVelocityResidual));
     measure_ = std::max(measure_, quotient(residual, scale * square));
   }
   return solved;

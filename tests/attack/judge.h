@@ -22,8 +22,9 @@ class Judge {
   bool solves(const Vector& z, Friction friction = Friction::kPyramid) const;
 
   /// Whether a returned velocity u is that of z, v(z) = v + G* J f: in every coordinate
-  /// |u - v(z)|_i <= 1e-4 (|v| + |G*| |J| |f|)_i
+  /// |u - v(z)|_i <= max(1e-4 (|v| + |G*| |J| |f|)_i
   ///     + (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074) + solving_i,
+  ///     1e-12 sqrt(G*_ii v'G v), 1e-12),
   /// solving_i = min(m 2^-53 (|G*| |G| |c|)_i, 1e-4 max_j(sqrt(G_jj) |c_j|) / sqrt(G_ii)), c = v(z) - v,
   /// over the coordinate's island, m its coordinates, k its impulses f_j that are not zero; without the terms in G if
   /// only G* is given. Contact problems only.
