@@ -18,7 +18,6 @@ ContactResidual::Point ContactResidual::at(const Vector& z) const {
   point.z = numbers(z);
   point.u = lcp->response(point.z);
   point.w = lcp->all_rows(point.z, point.u);
-  point.off = lcp->response_error(point.z);
   return point;
 }
 
@@ -74,10 +73,11 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
 }
 
 bool ContactResidual::is_resolved(FrictionModel model, const Point& point) {
-  for (std::size_t island = 0; !point.off.empty() && island < rows_.count(); ++island) {
+  const QuadVector off = lcp->response_error(point.z);
+  for (std::size_t island = 0; !off.empty() && island < rows_.count(); ++island) {
     const Quad most = Quad{kResolvedError} * scales(model)[island];
     for (const std::size_t row : rows_.rows(island)) {
-      if (!(lcp->residual_error(row, point.z, point.w[row], point.off) <= most)) return false;
+      if (!(lcp->residual_error(row, point.z, point.w[row], off) <= most)) return false;
     }
   }
   return true;

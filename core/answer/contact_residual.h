@@ -20,7 +20,6 @@ class ContactResidual {
   /// z, the velocity u = v + G* J f that its impulses lead to, and w = M z + q.
   struct Point {
     QuadVector z, u, w;
-    QuadVector off;  ///< how far u may be off where the inertia has reduced rank; else empty
     bool is_finite() const { return all_finite(w) && all_finite(u); }
   };
 

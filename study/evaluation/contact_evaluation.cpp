@@ -34,9 +34,8 @@ Errors ContactEvaluation::errors(const Answer& answer, FrictionModel model) {
 /// @returns false where 113 bits do not tell G* well enough. No impulses need no G*, where nothing violates them.
 bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Errors& errors) {
   const ContactResidual::Point point = contact_.at(answer.z);
-  const bool has_inertia = contact_.inertia.well_defined();
-  if (!point.is_finite()) return has_inertia;
-  const auto& [z, u, w, off] = point;
+  if (!point.is_finite()) return contact_.inertia.well_defined();
+  const auto& [z, u, w] = point;
   const ContactLcp& lcp = *contact_.lcp;
   const bool pyramid = model == FrictionModel::kPyramid;
   errors.min_z = answer.z.size() == 0 ? 0 : answer.z.minCoeff();
@@ -46,7 +45,7 @@ bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   errors.velocity_residual_relative = to_double(worst.relative);
   if (worst.row >= 0) errors.worst = describe(worst, model, point);
   errors.decide(kSolvedVelocityResidual);
-  if (!has_inertia && !errors.solved) return false;
+  if (!contact_.inertia.well_defined() && !errors.solved) return false;
   if (contact_.cone) {
     errors.model_error_m_per_s = model == FrictionModel::kCone
                                      ? errors.velocity_residual_m_per_s
@@ -75,8 +74,7 @@ bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   for (std::size_t i = 0; i < lcp.offsets(); ++i) work -= lcp.offset(i) * z[i];
   errors.criterion =
       errors.work_gain_j - to_double(work) < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
-  ReturnedVelocity(contact_, z, u).measure(answer.velocity, errors);
-  return true;
+  return ReturnedVelocity(contact_, z, u).measure(answer.velocity, errors);
 }
 
 WorstRow ContactEvaluation::describe(const ContactResidual::Worst& worst, FrictionModel model,

@@ -135,20 +135,24 @@ Quad ReturnedVelocity::scale_of(std::size_t coordinate) {
                 Quad{kEnergyShare} * sqrt(response.own * energy));
 }
 
-void ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
-  if (returned.size() == 0) return;
+bool ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
+  if (returned.size() == 0) return true;
   errors.returned_velocity_error = errors.velocity_mismatch = std::numeric_limits<double>::infinity();
   if (returned.size() == contact_.problem.ngc() && returned.allFinite()) {
     errors.velocity_mismatch = mismatch(returned);
     const QuadVector& v = contact_.lcp->velocity_before();
     constexpr double kLeastSpeed = 1e-8;  // m/s or rad/s
+    const QuadVector off = contact_.lcp->response_error(z_);
     Quad largest = 0;
     for (std::size_t i = 0; i < v.size(); ++i) {
       const double given = returned(static_cast<Index>(i));
       const Quad apart = abs(Quad{given} - v_plus_[i]);
       if (apart == 0) continue;
-      Quad error = apart / larger(kLeastSpeed, abs(v[i]) + abs(v_plus_[i] - v[i]));
-      if (!(error <= kSolvedReturnedVelocity)) error = apart / larger(kLeastSpeed, scale_of(i));
+      Quad scale = larger(kLeastSpeed, abs(v[i]) + abs(v_plus_[i] - v[i]));
+      const auto is_known = [&] { return off.empty() || off[i] <= Quad{kResolvedError} * scale; };
+      if (!(apart / scale <= kSolvedReturnedVelocity) || !is_known()) scale = larger(kLeastSpeed, scale_of(i));
+      if (!contact_.inertia.well_defined() || !is_known()) return false;
+      Quad error = apart / scale;
       if (!is_finite(error)) error = std::numeric_limits<double>::infinity();  // NaN, too
       if (error > largest) {
         errors.worst_coordinate = {static_cast<Index>(i), given, to_double(v_plus_[i])};
@@ -158,6 +162,7 @@ void ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
     errors.returned_velocity_error = to_double(largest);
   }
   errors.decide(errors.limit);
+  return true;
 }
 
 }  // namespace lcpbench

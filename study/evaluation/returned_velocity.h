@@ -17,7 +17,8 @@ class ReturnedVelocity {
       : contact_(contact), z_(z), v_plus_(v_plus) {}
 
   /// Sets Errors::returned_velocity_error and velocity_mismatch, and what follows from them.
-  void measure(const Vector& returned, Errors& errors);
+  /// @returns false where that takes a G* that 113 bits do not tell
+  bool measure(const Vector& returned, Errors& errors);
 
  private:
   double mismatch(const Vector& returned) const;
