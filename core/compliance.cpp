@@ -188,26 +188,4 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
   return rigid;
 }
 
-bool creeps_as_given(const ContactProblem& problem, const ContactProblem& rigid, const Vector& z) {
-  if (problem.offset_t.size() == 0 || z.size() != lcp_size(problem)) return true;
-  bool creeps = false;  // some contact does; those with compliance yield
-  for (Index c = 0; c < problem.nc(); ++c) {
-    creeps |= problem.tangential_compliance(c) == 0 && (has_coordinate(problem, c, 0) || has_coordinate(problem, c, 1));
-  }
-  if (!creeps) return true;
-  const Vector velocity = post_impact_velocity(rigid, z);
-  Index coordinate = problem.ngc();
-  for (Index contact = 0; contact < problem.nc(); ++contact) {
-    if (problem.normal_compliance(contact) != 0) ++coordinate;
-    const bool yields = problem.tangential_compliance(contact) != 0;
-    for (const int tangent : {0, 1}) {
-      if (!has_coordinate(problem, contact, tangent)) continue;
-      const double speed = rigid.v(coordinate);
-      if (!yields && !(std::abs(velocity(coordinate) - speed) <= 1e-6 * std::abs(speed))) return false;
-      ++coordinate;
-    }
-  }
-  return true;
-}
-
 }  // namespace lcpbench

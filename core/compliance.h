@@ -77,9 +77,4 @@ void select_softness(const ContactProblem& from, const std::vector<Index>& conta
 /// the rounding of M. The first ngc coordinates are those of the problem.
 ContactProblem rigid_equivalent(const ContactProblem& problem);
 
-/// False when z may solve only `rigid`, the rigid equivalent of `problem`: its impulses change by more than a millionth
-/// a speed that stands for a tangential offset without compliance, which is constant in `problem`. Such impulses are
-/// very large, at contacts that hardly move anything else. True for a z of another size.
-bool creeps_as_given(const ContactProblem& problem, const ContactProblem& rigid, const Vector& z);
-
 }  // namespace lcpbench

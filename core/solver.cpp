@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/answer/contact_residual.h"
 #include "core/answer/farkas.h"
 #include "core/answer/lcp_error.h"
 #include "core/answer/limits.h"
@@ -88,6 +89,13 @@ double backward_error(const Lcp& lcp, const Vector& z) {
                         are_moderate(lcp.M) && are_moderate(lcp.q) && are_moderate(z);
   if (moderate) return lcp_error(lcp, std::vector<double>(z.begin(), z.end())).backward;
   return to_double(lcp_error(lcp, std::vector<Quad>(z.begin(), z.end())).backward);
+}
+
+/// rho of z by the pyramid, from another velocity before the impact.
+double velocity_residual(ContactProblem contact, const Vector& v, const Vector& z) {
+  contact.v = v;
+  ContactResidual residual(contact);
+  return residual.lcp ? residual.rho(residual.at(z)) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -219,19 +227,27 @@ void Solver::take(const Problem& problem, bool is_finite) {
   }
   if (!refusal_.empty() || contact == nullptr || !contact->is_soft() || capabilities().compliance) return;
   is_equivalent_ = true;
+  keep(contact->v, v_);
   given_ = problem;
   problem_ = Problem(problem.name(), rigid_equivalent(*contact), problem.formation());
 }
 
+/// The scales of the equivalent problem have the offsets in them, and its coordinates for these move, though little.
 void Solver::return_to_given(Answer& answer) {
   const ContactProblem& given = *given_.contact();
   if (answer.velocity.size() > given.ngc()) {
     other_velocity_ = answer.velocity.head(given.ngc());
     std::swap(answer.velocity, other_velocity_);
   }
-  if (answer.claim != Claim::kSolved || creeps_as_given(given, *problem_.contact(), answer.z)) return;
+  const bool has_answer = answer.z.size() == given_.size() && answer.z.allFinite();
+  if (answer.claim != Claim::kSolved || !has_answer) return;
+  const Vector v = v_.head(given.ngc());
+  if (velocity_residual(given, v, answer.z) <= kSolvedVelocityResidual) return;
+  Vector all = problem_.contact()->v;
+  all.head(v.size()) = v;
+  if (velocity_residual(*problem_.contact(), all, answer.z) > kSolvedVelocityResidual) return;  // false by itself
   answer.claim = Claim::kNumericalFailure;
-  answer.detail = "impulses beyond what the equivalent rigid problem stands for";
+  answer.detail = "solves the equivalent rigid problem, but not the soft one";
 }
 
 /// A claim stands as far as it is the solver's own: not where rounding in the reduction is what made it false.
@@ -277,7 +293,7 @@ void Solver::update(const Vector& v) {
   if (contact == nullptr || v.size() != (is_equivalent_ ? given_.contact()->ngc() : contact->ngc())) {
     throw std::invalid_argument("update(v): needs a loaded contact problem and v of its ngc entries");
   }
-  if (requires_proofs_) keep(v, v_);
+  if (requires_proofs_ || is_equivalent_) keep(v, v_);
   if (!is_equivalent_) return on_update(v);
   Vector all = contact->v;
   all.head(v.size()) = v;

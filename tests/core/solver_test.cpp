@@ -79,6 +79,46 @@ Problem frictional_particle() {
   return Problem("particle", contact);
 }
 
+/// Claims that a given z solves.
+class Claims final : public Solver {
+ public:
+  explicit Claims(Vector z) : z_(std::move(z)) {}
+  const Capabilities& capabilities() const override { return capabilities_; }
+
+ protected:
+  void on_load(const Problem&) override {}
+  void on_update(const Vector&) override {}
+  void on_solve(const SolveRequest&, Answer& answer) override {
+    answer.z = z_;
+    answer.claim = Claim::kSolved;
+  }
+
+ private:
+  Capabilities capabilities_;
+  Vector z_;
+};
+
+/// The rigid equivalent has the speed of a belt among its velocities, a millionth of which is more than a contact
+/// approaches by: its answers need not be those of the problem. A claim that is false by itself stays the solver's own.
+TEST(SolverTest, WhatSolvesTheRigidEquivalentAloneIsNotClaimed) {
+  ContactProblem belt = *frictional_particle().contact();
+  belt.offset_t = Vector{{0.8, 0}};
+  const auto claim = [&](double speed, const Vector& z) {
+    Claims solver(z);
+    belt.v = Vector{{0, -1}};
+    solver.load(Problem("belt", belt));
+    solver.update(Vector{{0, -speed}});
+    Answer answer;
+    solver.solve({}, answer);
+    return answer.claim;
+  };
+  const Vector none{{0, 0, 0, 0.8}};
+  EXPECT_EQ(claim(5e-11, none), Claim::kNumericalFailure);
+  EXPECT_EQ(claim(5e-11, Vector{{5e-11, 0, 2.5e-11, 0.8 - 2.5e-11}}), Claim::kSolved);
+  EXPECT_EQ(claim(-5e-11, none), Claim::kSolved);
+  EXPECT_EQ(claim(5e-11, Vector{{1, 0, 0, 0.8}}), Claim::kSolved) << "false by itself";
+}
+
 TEST(SolverTest, RefusedProblemsAreAnsweredUnsupportedWithTheReason) {
   Answer answer;
   Echo scenes({.needs = Needs::kScene});
