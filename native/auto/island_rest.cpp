@@ -165,6 +165,11 @@ bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answe
     if (claimed && slips(*held)) break;
     const bool is_settled = settle_at_rest(*held, report);
     if (!rested_ && !(is_settled && claimed)) continue;
+    if (!claimed) {  // momentum in balance leaves a light body more speed than an answer may have
+      rested_ = passes(Vector(held->z), *held) && held->claim == Claim::kSolved;
+      if (!rested_) continue;
+      rest_.write_velocity(held->velocity);
+    }
     answer = *held;
     return true;
   }
