@@ -435,7 +435,7 @@ void Auto::bound_slips(const Vector& u, Vector& z) const {
       }
       const auto contact_number = static_cast<Index>(c);
       for (const int tangent : {0, 1}) slip += std::abs(contact.tangential_offset(contact_number, tangent));
-      z(lambda) = slip;
+      z(lambda) = contact.offset_t.size() > 0 ? slip * (1 + 0x1p-50) : slip;  // the sum is rounded
     }
     direction += edges;
     ++lambda;
