@@ -164,6 +164,12 @@ std::optional<QuadMatrix> pivoted_columns(QuadMatrix G) {
   return X;
 }
 
+QuadMatrix identity(std::size_t size) {
+  QuadMatrix unit(size, size);
+  for (std::size_t i = 0; i < size; ++i) unit(i, i) = 1;
+  return unit;
+}
+
 /// B'G B
 QuadMatrix projected(const QuadMatrix& G, const QuadMatrix& B) {
   QuadMatrix projection(B.cols, B.cols);
@@ -274,6 +280,9 @@ void QuadInertia::find_range(Block& block, const QuadMatrix& W) {
   QuadMatrix inside = W;
   if (block.range->cols == block.size()) {
     block.range.reset();
+    block.is_by_rows = true;
+    block.tilt = 0;
+    block.spread = longest_of_magnitudes(W, identity(block.size()));
   } else {
     block.spread = longest_of_magnitudes(W, *block.range);
     inside = QuadMatrix(block.range->cols, W.cols);
@@ -359,8 +368,9 @@ void QuadInertia::Block::solve(Quad* x) const {
 }
 
 QuadVector QuadInertia::Block::solve_error(const Quad* x) const {
-  if (is_inverse || !range) return QuadVector(size(), 0);
-  return columns ? error_by_columns(x) : error_by_range(x);
+  if (columns) return error_by_columns(x);
+  if (range) return error_by_range(*range, x);
+  return is_by_rows ? error_by_range(identity(size()), x) : QuadVector(size(), 0);
 }
 
 /// Of y = X K^-1 W^-1 K^-1 X'x with K = X'X, step by step: each product is rounded, and K is off by the rounding of its
@@ -395,8 +405,8 @@ QuadVector QuadInertia::Block::error_by_columns(const Quad* x) const {
 }
 
 /// Of y = B S^-1 B'x with S = C C' = R R': B may be turned by `tilt`, C and each product are rounded. h = R'S^-1 B'x.
-QuadVector QuadInertia::Block::error_by_range(const Quad* x) const {
-  const QuadMatrix& B = *range;
+/// @param B  `range`, or the identity
+QuadVector QuadInertia::Block::error_by_range(const QuadMatrix& B, const Quad* x) const {
   const std::size_t rank = B.cols;
   const Quad unit = rounding_of(B.rows + rank);
   const QuadMatrix root = factor.root(), inverse = factor.inverse_root();
@@ -424,7 +434,7 @@ QuadVector QuadInertia::Block::error_by_range(const Quad* x) const {
 }
 
 bool QuadInertia::has_reduced_rank() const {
-  return std::any_of(blocks_.begin(), blocks_.end(), [](const Block& block) { return block.range.has_value(); });
+  return std::any_of(blocks_.begin(), blocks_.end(), [](const Block& block) { return block.range || block.is_by_rows; });
 }
 
 QuadVector QuadInertia::solve_error(const QuadVector& x) const {

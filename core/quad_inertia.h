@@ -48,8 +48,8 @@ class QuadInertia {
   /// Costs the blocks that are touched, not ngc.
   void solve(QuadVector& x, std::vector<std::size_t>& pattern) const;
 
-  /// How far solve() may be off, entry by entry: a bound to first order in the rounding of 113 bits. Zero for blocks of
-  /// full rank, which are proven far from singular, and for a given G*. It grows with the cube of the inverse of the
+  /// How far solve() may be off, entry by entry: a bound to first order in the rounding of 113 bits. Zero for blocks that
+  /// are proven far from singular, and for a given G*. It grows with the cube of the inverse of the
   /// distance by which the least independent of the factors is outside the span of the others.
   QuadVector solve_error(const QuadVector& x) const;
   /// Whether solve_error() may be other than zero.
@@ -75,13 +75,14 @@ class QuadInertia {
     QuadCholesky factor;                ///< of G, or of columns'columns, or of range' G range
     Quad tilt = 0;                      ///< bound on the sine of the angle between `range` and the range of G
     Quad formed = 0;                    ///< in whose terms range' G range is rounded: zero where it is not formed
-    Quad spread = 0;                    ///< the same of the rows of range' W, G = W W': zero where these are not formed
+    Quad spread = 0;                    ///< the same of the rows of range' W, G = W W': zero where these are not factored
+    bool is_by_rows = false;            ///< of full rank, by the rows of W: these may be all but dependent
 
     std::size_t size() const { return matrix.rows; }
     void solve(Quad* x) const;
     QuadVector solve_error(const Quad* x) const;
     QuadVector error_by_columns(const Quad* x) const;
-    QuadVector error_by_range(const Quad* x) const;
+    QuadVector error_by_range(const QuadMatrix& B, const Quad* x) const;
   };
 
   void add_inertia(const Matrix& G);
