@@ -5,6 +5,11 @@
 #include "core/answer/limits.h"
 
 namespace lcpbench {
+namespace {
+
+Quad larger_or_infinity(Quad largest, Quad x) { return x <= largest ? largest : finite_or_infinity(x); }
+
+}  // namespace
 
 ContactResidual::ContactResidual(const ContactProblem& contact)
     : problem(contact), inertia(contact.inertia), islands_(row_islands(contact)), rows_(islands_) {
@@ -58,11 +63,15 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
     largest[island] = residual;
     row_of[island] = row;
   });
-  Worst worst{.is_resolved = is_resolved(model, point)};
+  Worst worst;
+  const QuadVector errors = errors_of_islands(point);
   for (std::size_t island = 0; island < largest.size(); ++island) {
+    const Quad scale = scales(model)[island], relative = quotient(largest[island], scale);
+    const Quad error = errors.empty() ? Quad{0} : errors[island] / scale;
+    const bool decides_itself = abs(relative - kSolvedVelocityResidual) > error || error == 0;
+    worst.is_resolved = worst.is_resolved && error <= kResolvedError && decides_itself;
     if (largest[island] == 0) continue;
     worst.residual = larger(worst.residual, largest[island]);
-    const Quad scale = scales(model)[island], relative = quotient(largest[island], scale);
     if (!(relative > worst.relative)) continue;
     worst.relative = relative;
     worst.row = row_of[island];
@@ -72,15 +81,18 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
   return worst;
 }
 
-bool ContactResidual::is_resolved(FrictionModel model, const Point& point) {
+/// How far the residual of each island may be off where the inertia has reduced rank; else empty. That of a round cone
+/// or of the convex model adds up those of its three rows, each by the M of another.
+QuadVector ContactResidual::errors_of_islands(const Point& point) {
   const QuadVector off = lcp->response_error(point.z);
-  for (std::size_t island = 0; !off.empty() && island < rows_.count(); ++island) {
-    const Quad most = Quad{kResolvedError} * scales(model)[island];
+  QuadVector errors(off.empty() ? 0 : rows_.count(), 0);
+  for (std::size_t island = 0; island < errors.size(); ++island) {
     for (const std::size_t row : rows_.rows(island)) {
-      if (!(lcp->residual_error(row, point.z, point.w[row], off) <= most)) return false;
+      errors[island] = larger_or_infinity(errors[island], lcp->residual_error(row, point.z, point.w[row], off));
     }
+    if (cone) errors[island] *= 4;
   }
-  return true;
+  return errors;
 }
 
 double ContactResidual::rho(const Point& point) {

@@ -30,7 +30,8 @@ class ContactResidual {
     Index row = -1;     ///< -1: no row is violated
     Quad of_row = 0;    ///< its residual
     Quad scale = 0;     ///< that of its island
-    bool is_resolved = true;  ///< no residual may be off by more than kResolvedError of its scale
+    /// No residual may be off by more than kResolvedError of its scale, nor by what changes the verdict.
+    bool is_resolved = true;
   };
 
   /// @param contact  finite, must outlive this object
@@ -59,7 +60,7 @@ class ContactResidual {
 
  private:
   Quad pyramid_row(std::size_t row, const Point& point);
-  bool is_resolved(FrictionModel model, const Point& point);
+  QuadVector errors_of_islands(const Point& point);
 
   RowIslands islands_;
   IslandRows rows_;

@@ -149,7 +149,10 @@ bool ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
       const Quad apart = abs(Quad{given} - v_plus_[i]);
       if (apart == 0) continue;
       Quad scale = larger(kLeastSpeed, abs(v[i]) + abs(v_plus_[i] - v[i]));
-      const auto is_known = [&] { return off.empty() || off[i] <= Quad{kResolvedError} * scale; };
+      const auto is_known = [&] {
+        const Quad margin = abs(apart - Quad{kSolvedReturnedVelocity} * scale);
+        return off.empty() || off[i] == 0 || (off[i] <= Quad{kResolvedError} * scale && off[i] < margin);
+      };
       if (!(apart / scale <= kSolvedReturnedVelocity) || !is_known()) scale = larger(kLeastSpeed, scale_of(i));
       if (!contact_.inertia.well_defined() || !is_known()) return false;
       Quad error = apart / scale;
