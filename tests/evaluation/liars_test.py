@@ -206,5 +206,29 @@ class LiarTest(unittest.TestCase):
             self.assertEqual(dict(store.execute("SELECT claim, verdict FROM judged")), verdicts)
         store.close()
 
+    def test_no_answer_contradicts_a_clear_proof(self):
+        """It misses a solution by a thousandth of its size. Huge multipliers pass all the same, and count for nothing."""
+        problem = {"format": "lcpbench-problem", "version": 1, "name": "x", "kind": "lcp",
+                   "M": [[1, -1], [-1, 1]], "q": [-1, 0.998]}
+        self.write("x.json", problem)
+        huge = {"claim": "solved", "z": [1e9 + 1, 1e9]}
+        self.assertTrue(second_judge.judge(problem, huge["z"])["passes"])
+        self.assertGreater(second_judge.proof_margin(problem, [1, 1]), second_judge.SOLVED_ETA)
+        proves = {"claim": "unsolvable", "farkas": [1, 1]}
+        answers = (("huge", huge), ("denies", {"claim": "unsolvable"}), ("proves", proves),
+                   ("lost", {"claim": "iteration_limit", "z": huge["z"]}))
+        expected = {"solved": "wrong", "unsolvable": "unsolvable", "iteration_limit": "unsolvable"}
+        for deniers in (("denies",), ("proves",)):
+            solvers = [argument for name, answer in answers if name not in ("denies", "proves") or name in deniers
+                       for argument in ("--solver", self.answering(name, answer))]
+            rows = json.loads(lcpbench("solve", self.path("x.json"), *solvers, "--format", "json"))
+            self.assertEqual({row["claim"]: row["verdict"] for row in rows}, expected)
+            self.assertEqual({row["truth"] for row in rows}, {"unsolvable"})
+            store = self.path(deniers[0] + ".db")
+            lcpbench("run", "--set", "file:" + self.path("x.json"), *solvers, "--store", store)
+            with sqlite3.connect(store) as connection:
+                self.assertEqual(dict(connection.execute("SELECT claim, verdict FROM judged")), expected)
+            connection.close()
+
 
 unittest.main(argv=sys.argv[:1])

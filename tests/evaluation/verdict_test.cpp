@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <set>
@@ -230,6 +231,45 @@ TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
     }
   }
   EXPECT_EQ(problem, kClaims.size() * (kAnswers.size() * (2 + 2 + 2 + 2 + 2) - 2));
+}
+
+/// A proof that a bare LCP has no solution, with an answer that passes or not: its margin alone decides.
+TEST(VerdictTest, TheMarginOfAProofDecidesWhetherABareLcpIsNearlySolvable) {
+  constexpr double kNone = Errors::kNone;
+  Database store;
+  std::size_t problem = 0;
+  const auto expect = [&](const char* truth, double by_answer, double by_certificate, bool solved) {
+    const std::string id = std::to_string(++problem), margin = std::to_string(by_certificate);
+    store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'lcp',4,0,0,0,'','',0)");
+    Findings findings;
+    if (!std::isnan(by_answer)) {
+      insert_answer(store, problem, 1, "unsolvable", errors_of("unusable"), true);
+      store.run("UPDATE verdicts SET proof_margin = " + std::to_string(by_answer) + " WHERE problem_id = " + id);
+      Judgement judgement{.proof_holds = true};
+      judgement.errors.proof_margin = by_answer;
+      findings.add(judgement);
+    }
+    if (solved) {
+      insert_answer(store, problem, 2, "solved", errors_of("solved"), false);
+      findings.add(Evidence::kSolvedAnswer);
+    }
+    if (!std::isnan(by_certificate)) {
+      store.run("INSERT INTO certificates (problem_id, certificate, proof, proof_margin, detail, checksum) VALUES (" +
+                id + ",'unsolvable','farkas'," + margin + ",'',0)");
+      findings.add_proof(Evidence::kCertifiedUnsolvable, by_certificate);
+    }
+    EXPECT_EQ(to_string(findings.truth()), std::string(truth)) << problem;
+    EXPECT_EQ(store.texts("SELECT truth FROM truths WHERE problem_id = " + id), std::vector<std::string>{truth})
+        << problem;
+  };
+  for (const bool solved : {false, true}) {
+    expect("nearly", 1e-6, kNone, solved);
+    expect("unsolvable", 1.1e-5, kNone, solved);
+    expect("nearly", kNone, 1e-6, solved);
+    expect("unsolvable", kNone, 1.1e-5, solved);
+    expect("unsolvable", 1e-6, 0.5, solved);
+    expect("unsolvable", 0.5, 1e-6, solved);
+  }
 }
 
 }  // namespace

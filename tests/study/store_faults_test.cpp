@@ -263,10 +263,10 @@ TEST_F(StoreFaultsTest, RowsThatDoNotBelongTogetherAreRefused) {
       {"DELETE FROM cell_groups", "table answers: a row belongs to no row of table cell_groups"},
       {"UPDATE answers SET z = 5", "table answers: a row belongs to no row of table vectors"},
       {"DELETE FROM problems WHERE trial = 3", "table answers: a row belongs to no row of table problems"},
-      {"INSERT INTO certificates SELECT MIN(id), 'solution', 'lp', NULL, NULL, NULL, '', 0 FROM problems; "
+      {"INSERT INTO certificates SELECT MIN(id), 'solution', 'lp', NULL, NULL, NULL, NULL, '', 0 FROM problems; "
        "INSERT INTO certificate_timings SELECT MIN(id), 1, 1, 0 FROM problems",
        "table certificates: a row is not matched by table proofs"},
-      {"INSERT INTO certificates SELECT MIN(id), 'open', 'none', NULL, NULL, NULL, '', 0 FROM problems",
+      {"INSERT INTO certificates SELECT MIN(id), 'open', 'none', NULL, NULL, NULL, NULL, '', 0 FROM problems",
        "table certificates: a row is not matched by table certificate_timings"},
       {"INSERT INTO proofs SELECT MIN(id), x'00', 0 FROM problems",
        "table proofs: a row belongs to no row of table certificates"}};
