@@ -140,10 +140,10 @@ TEST(EvaluationTest, ProblemDataThatAreNotFiniteNeverLookSolved) {
   }
 }
 
-TEST(EvaluationTest, ZeroVelocityHasNoScale) {
+TEST(EvaluationTest, WithoutVelocityTheLeastScaleDecides) {
   EXPECT_EQ(evaluate(particle(0, 0, 0.5), Vector::Zero(4)).velocity_residual_relative, 0);
   const Errors errors = evaluate(particle(0, 0, 0.5), vec({1, 0, 0, 0}));
-  EXPECT_EQ(errors.velocity_residual_relative, kInf);
+  EXPECT_DOUBLE_EQ(errors.velocity_residual_relative, 1e8);
   EXPECT_FALSE(errors.solved);
 }
 
@@ -430,12 +430,12 @@ TEST(ReturnedVelocityTest, MayRoundWhatCancels) {
 TEST(ReturnedVelocityTest, MayRoundAsSolvingDoes) {
   Matrix G(4, 4);
   G << 1, 2, 2, 1, 2, 5, 4, 1, 2, 4, 5, 2, 1, 1, 2, 3;
-  const Vector moved = vec({-5, 2, 0, 1});  // G moved = (0, 1, 0, 0)
+  const Vector moved = 1e4 * vec({-5, 2, 0, 1});  // G moved = (0, 1e4, 0, 0)
   const Problem problem("pushed", frictionless(Vector::Zero(4), Matrix(vec({0, 1, 0, 0})), DenseInertia{G}));
-  Answer given = answer(vec({1}));
-  for (const double rounding : {5e-15, 1e-13}) {
+  Answer given = answer(vec({1e4}));
+  for (const double rounding : {5e-11, 1e-9}) {
     given.velocity = moved + rounding * vec({0, 0, 1, 0});
-    EXPECT_EQ(Evaluator(problem).errors(given).velocity_passes(), rounding < 5e-14) << rounding;
+    EXPECT_EQ(Evaluator(problem).errors(given).velocity_passes(), rounding < 5e-10) << rounding;
   }
 }
 
@@ -484,7 +484,7 @@ TEST(EvaluationTest, WhatIsLeftOfImpulsesThatCancelIsMeasuredInAnyOrder) {
     problem.b = vec({0, 0, 0, 1});
     for (const double large : {1e20, 1e36, 1e100}) {
       const Vector z = first ? vec({5, large, large, 0}) : vec({large, large, 5, 0});
-      EXPECT_EQ(evaluate(Problem("pressed", problem), z).velocity_residual_relative, 5) << large;
+      EXPECT_EQ(evaluate(Problem("pressed", problem), z).velocity_residual_m_per_s, 5) << large;
     }
   }
 }

@@ -7,6 +7,10 @@ from fractions import Fraction
 SOLVED_RHO = Fraction(1e-4)
 SOLVED_ETA = Fraction(1e-6)
 SOLVED_VELOCITY = Fraction(1e-4)
+LEAST_SPEED = Fraction(1e-8)
+SPEED_SHARE = Fraction(1e-6)
+ENERGY_SHARE = Fraction(1e-8)
+FLOOR_SHARE = Fraction(0.01)
 INFINITY = math.inf
 
 
@@ -29,25 +33,71 @@ def groups(n, related):
     return [[i for i in range(n) if label[i] == first] for first in sorted(set(label))]
 
 
-def backward_error(M, q, z, block):
-    """eta of one block, and the first row where it is taken; None if it is zero."""
-    largest = max((abs(z[i]) for i in block), default=Fraction(0))
-    worst, worst_row = Fraction(0), None
-    for i in block:
-        c = sum(abs(M[i][j]) for j in block) or Fraction(1)
-        w = q[i] + sum(M[i][j] * z[j] for j in block)
-        error = quotient(abs(min(c * z[i], w)), abs(q[i]) + c * largest)
-        if error > worst:
-            worst, worst_row = error, i
-    return worst, worst_row
+class Bare:
+    """LCP(q, M), mixed or not. A bound that is none is an infinite float."""
+
+    def __init__(self, problem):
+        self.M, self.q = [exact(row) for row in problem["M"]], exact(problem["q"])
+        n = len(self.q)
+
+        def bounds(key, none, bare):
+            return [none if x is None else Fraction(x) for x in problem[key]] if key in problem else [bare] * n
+
+        self.lower, self.upper = bounds("lower", -INFINITY, Fraction(0)), bounds("upper", INFINITY, INFINITY)
+        self.friction_of = problem.get("friction_of") or [None] * n
+        self.mu = problem.get("mu") or [None] * n
+        self.blocks = groups(n, [(i, j) for i in range(n) for j in range(n) if self.M[i][j] != 0])
+        self.norms = [sum(map(abs, row)) or Fraction(1) for row in self.M]
+        self.floors = self.floors_of_rows()
+
+    def nearest_to_zero(self, j):
+        if self.friction_of[j] is not None or self.lower[j] <= 0 <= self.upper[j]:
+            return Fraction(0)
+        return self.lower[j] if self.lower[j] > 0 else self.upper[j]
+
+    def floors_of_rows(self):
+        nearest = [abs(self.nearest_to_zero(j)) for j in range(len(self.q))]
+        sizes = [abs(q) + dot(map(abs, row), nearest) for q, row in zip(self.q, self.M)]
+        floors = [None] * len(self.q)
+        for block in self.blocks:
+            largest, share = max(sizes[k] for k in block), max(sizes[k] / self.norms[k] for k in block)
+            for i in block:
+                floors[i] = min(self.norms[i] * share, largest)
+        return floors
+
+    def errors(self, z):
+        """eta of each row."""
+        for i, row in enumerate(self.M):
+            c, w = self.norms[i], self.q[i] + dot(row, z)
+            lower, upper = self.lower[i], self.upper[i]
+            if self.friction_of[i] is not None:
+                upper = abs(Fraction(self.mu[i]) * z[self.friction_of[i]])
+                lower = -upper
+            middle = sorted((INFINITY if lower == -INFINITY else c * (z[i] - lower),
+                             -INFINITY if upper == INFINITY else c * (z[i] - upper), w))[1]
+            terms = abs(self.q[i]) + dot(map(abs, row), map(abs, z))
+            yield quotient(abs(middle), max(terms, FLOOR_SHARE * self.floors[i]))
 
 
 def judge_bare(problem, z):
-    M, q, z = [exact(row) for row in problem["M"]], exact(problem["q"]), exact(z)
-    n = len(q)
-    blocks = groups(n, [(i, j) for i in range(n) for j in range(n) if M[i][j] != 0])
-    eta, row = max((backward_error(M, q, z, block) for block in blocks), key=lambda pair: pair[0])
+    eta, row = Fraction(0), None
+    for i, error in enumerate(Bare(problem).errors(exact(z))):
+        if error > eta:
+            eta, row = error, i
     return {"backward_row_norm": eta, "worst_row": row, "passes": eta <= SOLVED_ETA, "criterion": False}
+
+
+def proof_margin(problem, u):
+    """By how much of its own size the bare LCP misses a solution; None if u proves nothing."""
+    data, u = Bare(problem), exact(u)
+    missing = -dot(data.q, u)
+    if min(u) < 0 or missing <= 0 or any(dot(column, u) > 0 for column in zip(*data.M)):
+        return None
+    return missing / sum(weight * max(abs(q), floor) for weight, q, floor in zip(u, data.q, data.floors))
+
+
+def truth_by_proof(margin):
+    return "unsolvable" if margin > SOLVED_ETA else "nearly"
 
 
 def solve_exactly(G, right):
@@ -126,12 +176,23 @@ class Contact:
         impulses = len(self.J)
         n = impulses + len(self.cones)
         self.impulses = impulses
-        self.b = exact(problem.get("b") or [0] * self.nc) + [Fraction(0)] * (impulses - self.nc)
+        soft = {key: exact(problem.get(key) or [0] * size * self.nc)
+                for key, size in (("b", 1), ("compliance_n", 1), ("compliance_t", 1), ("offset_t", 2))}
+        # Of 2 or 4 edges: the tangent of each direction, with its sign.
+        along = [(c, k % 2 if edges[c] == 4 else 0, 1 if 2 * k < edges[c] else -1)
+                 for c in range(self.nc) for k in range(edges[c])]
+        self.b = soft["b"] + [sign * soft["offset_t"][2 * c + tangent] for c, tangent, sign in along]
         self.q = [dot(column, self.v) + b for column, b in zip(self.J, self.b)] + [Fraction(0)] * len(self.cones)
         self.M = [[Fraction(0)] * n for _ in range(n)]
         for i in range(impulses):
             for j in range(impulses):
                 self.M[i][j] = dot(self.J[i], self.responses[j])
+        for c in range(self.nc):
+            self.M[c][c] += soft["compliance_n"][c]
+        for i, (c, tangent, sign) in enumerate(along, self.nc):
+            for j, (other, other_tangent, other_sign) in enumerate(along, self.nc):
+                if (c, tangent) == (other, other_tangent):
+                    self.M[i][j] += sign * other_sign * soft["compliance_t"][c]
         for k, c in enumerate(self.cones):
             self.M[impulses + k][c] = mu[c]
             for i in range(self.nc, impulses):
@@ -162,13 +223,17 @@ class Contact:
             rows.setdefault(key, []).append(row)
         return list(rows.values())
 
-    def floor(self, i):
-        if i >= self.impulses:
-            return Fraction(0)
-        count = sum(1 for entry in self.J[i] if entry != 0)
-        magnitude = dot([abs(entry) for entry in self.J[i]], [abs(x) for x in self.v]) + abs(self.b[i])
-        count += 1 if self.b[i] != 0 else 0
-        return (count + 1) * (Fraction(2) ** -53 * magnitude + Fraction(2) ** -1074)
+    def scale(self, island):
+        """What the residuals of an island are relative to."""
+        largest = max([LEAST_SPEED] + [-self.q[i] for i in island if i < self.nc])
+        for i in island:
+            if i >= self.impulses:
+                continue
+            count = sum(1 for entry in self.J[i] if entry != 0)
+            magnitude = dot(map(abs, self.J[i]), map(abs, self.v))
+            rounding = (count + 1) * (Fraction(2) ** -53 * magnitude + Fraction(2) ** -1074)
+            largest = max(largest, SPEED_SHARE * abs(dot(self.J[i], self.v)), rounding / SOLVED_RHO)
+        return largest
 
     def velocity_error(self, returned, z, v_plus):
         """How far a returned velocity is from v+."""
@@ -184,7 +249,7 @@ class Contact:
         worst = Fraction(0)
         for a in range(ngc):
             apart = abs(exact(returned)[a] - v_plus[a])
-            error = quotient(apart, abs(self.v[a]) + abs(v_plus[a] - self.v[a]))
+            error = apart / max(LEAST_SPEED, abs(self.v[a]) + abs(v_plus[a] - self.v[a]))
             if error > SOLVED_VELOCITY:
                 acting = [i for i in range(self.impulses) if z[i] != 0 and self.contact_of[i] in touched
                           and label[touched[self.contact_of[i]]] == label[a]]
@@ -198,7 +263,8 @@ class Contact:
                             + min(solving,
                                   SOLVED_VELOCITY * max(root[b] * change[b] for b in alike) / root[a]))
                 scale = abs(self.v[a]) + sum(abs(inverse[b][a]) * pushes[b] for b in range(ngc))
-                error = quotient(apart, scale + rounding / SOLVED_VELOCITY)
+                kept = ENERGY_SHARE * Fraction(math.sqrt(inverse[a][a] * energy))
+                error = apart / max(scale + rounding / SOLVED_VELOCITY, kept, LEAST_SPEED)
             worst = max(worst, error)
         return worst
 
@@ -210,13 +276,14 @@ class Contact:
 
 
 def judge_contact(problem, z, velocity):
+    """By the pyramid."""
     data, z = Contact(problem), exact(z)
     n = len(data.q)
     w = [data.q[i] + dot(data.M[i], z) for i in range(n)]
     rho, worst, largest = Fraction(0), None, Fraction(0)
     for island in data.islands():
         residual, row = max(((data.residual(i, z, w), -i) for i in island))
-        scale = max(max(abs(data.q[i]) for i in island), max(data.floor(i) for i in island) / SOLVED_RHO)
+        scale = data.scale(island)
         largest = max(largest, residual)
         if quotient(residual, scale) > rho:
             rho, worst = quotient(residual, scale), -row

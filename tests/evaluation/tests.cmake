@@ -1,7 +1,7 @@
 lcpbench_room(evaluation LINK lcpbench_study lcpbench_evaluation SQLite::SQLite3
   DEFINE LCPBENCH_VERDICTS_PAGE="${PROJECT_SOURCE_DIR}/docs/explanation/verdicts.md"
     LCPBENCH_VERDICTS_TABLE="${PROJECT_SOURCE_DIR}/tests/golden/verdicts.md")
-foreach(test quad refined_inertia evaluation island_evaluation fastest_contact backward_error truth verdict)
+foreach(test quad refined_inertia evaluation island_evaluation contact_scale fastest_contact backward_error truth verdict)
   lcpbench_test(${test})
 endforeach()
 

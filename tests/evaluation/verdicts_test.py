@@ -15,7 +15,7 @@ import second_judge
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 MEASURES = ("velocity_residual_relative", "velocity_residual_m_per_s", "violation_m_per_s", "work_gain_j",
-            "backward_row_norm", "returned_velocity_error")
+            "backward_row_norm", "returned_velocity_error", "proof_margin")
 
 
 def contact(v, N, G, **friction):
@@ -26,8 +26,8 @@ def factored(v, N, X):
     return {"kind": "contact", "v": v, "N": N, "G_factors": {"X": X, "alpha": [1] * len(X[0])}}
 
 
-def lcp(M, q):
-    return {"kind": "lcp", "M": M, "q": q}
+def lcp(M, q, **bounds):
+    return {"kind": "lcp", "M": M, "q": q, **bounds}
 
 
 def identity(n, values=None):
@@ -47,6 +47,14 @@ def velocity_cases(draw):
         yield contact([-1, 0], [[1], [0]], [[4, 1], [1, 5]]), [1], [-0.736842105263158, size - 0.0526315789473684]
         yield contact([-1, 0, 0], [[1], [0], [0]], identity(3)), [1], [0, size, 0]
         yield contact([0, 1, 0], [[1], [0], [0]], identity(3)), [0], [0, 1, size]
+    # The energy of 1e9 kg could give 1 kg beside it a speed of 3e4 m/s: 1e-8 of that is 3e-4 m/s.
+    for size in (1e-9, 2e-8, 4e-8, 1e-3):
+        yield contact([-1, 0], [[1], [-1]], [[1e9, 0], [0, 1]]), [1], [-1 + 1e-9, size - 1]
+        yield contact([-1, 0, 0], [[1], [0], [0]], [[1e9, 0, 0], [0, 1, 0], [0, 0, 1]]), [1e9], [0, size, 1e-13]
+    # At rest but for rounding: nothing below 1e-12 m/s is wrong.
+    for size in (1e-15, 9e-13, 1.1e-12):
+        yield contact([1e-15, 0], [[0], [1]], identity(2)), [0], [1e-15 + size, 0]
+        yield contact([1e-15, -0.02], [[0], [1]], [[0.3, 0], [0, 0.3]]), [0.006], [size, 0]
     for _ in range(40):
         G = [[draw.randint(3, 9) if i == j else 0 for j in range(3)] for i in range(3)]
         G[0][1] = G[1][0] = draw.randint(-2, 2)
@@ -74,6 +82,27 @@ def known_cases():
     cancels = contact([0.1, 0.3], [[-3], [1]], identity(2))
     for impulse in (0, 5.55e-18, 1e-16, 1e-13):
         yield cancels, [impulse]
+    for speed in (1e-15, 1e-12, 1e-11, 1e-6):  # at rest but for rounding
+        slips = contact([speed, -0.02], [[0], [1]], [[0.3, 0], [0, 0.3]], D=[[1, -1], [0, 0]], edges=[2], mu=[1])
+        yield slips, [0.006, 0, 0, 0]
+        yield contact([-speed], [[1]], [[1]]), [0]
+    for gap in (0, 5, 1e3, 1e6):  # an open row beside one that is violated by about what may be
+        yield contact([-1, 0.5], [[1, 0.25], [0, 1]], [[2, 0.5], [0.5, 1]], b=[0, gap]), [1.75 * (1 - 0.99e-4), 0]
+    for press in (1, 1e4, 1e7, 1e12):  # opposite impulses, however large
+        yield contact([-1], [[1, -1]], [[1]], b=[0, 2]), [1 + press, press]
+        yield contact([-1], [[1, -1]], [[1]], b=[0, 0]), [press, press]
+        yield lcp([[0, 1, -1], [-1, 0, 0], [1, 0, 0]], [0, 2, -5]), [3, press, press]
+        yield lcp([[1, -1], [-1, 1]], [-1, 1]), [press + 1, press]
+        yield lcp([[1, -1], [-1, 1]], [-1, 1.001]), [press + 1, press]
+    rests = lcp(identity(2), [1, 0], lower=[0, None], upper=[None, None], friction_of=[None, 0], mu=[None, 0.5])
+    for normal in (-1e-17, -1e-5, 0):  # the limits of the friction row cross
+        yield rests, [normal, 0]
+    # An offset along the tangent is no speed of the bodies: beside it 1e-9 m/s are still 1e-9 m/s.
+    for offset in (0, 0.8, 1e6):
+        slow = contact([0, -1e-9], [[0], [1]], identity(2), D=[[1, -1], [0, 0]], edges=[2], mu=[0.5],
+                       offset_t=[offset, 0], compliance_n=[0.5])
+        yield slow, [0, 0, 0, 0]
+        yield slow, [6.667e-10, 0, 0, offset]
     dusty = lcp([[1, 0, 0], [0, 1, 0.5], [0, 0.5, 1]], [-1e10, -1, 1])
     for dust in (0, -1e-12, 1e-12, -1e-6):
         yield dusty, [1e10, 1, dust]
@@ -136,6 +165,11 @@ def random_cases(draw):
                         "D": [list(row) for row in zip(*columns)]}
         if draw.random() < 0.5:
             friction["b"] = [number() * scale[c // 2] for c in range(nc)]
+        if draw.random() < 0.3:
+            friction["compliance_n"] = [abs(number()) for _ in range(nc)]
+        if any(edges) and draw.random() < 0.3:
+            friction["compliance_t"] = [abs(number()) if edges[c] else 0 for c in range(nc)]
+            friction["offset_t"] = [number() if edges[c // 2] and c % 2 == 0 else 0 for c in range(2 * nc)]
         n = nc + sum(edges) + sum(1 for count in edges if count)
         yield contact(v, N, G, **friction), [dust(abs(number())) if draw.random() < 0.5 else dust(0) for _ in range(n)]
     for _ in range(30):
@@ -156,6 +190,71 @@ def random_cases(draw):
         yield lcp(M, q), z if draw.random() < 0.3 else [dust(value) for value in z]
 
 
+    for _ in range(80):  # mixed, of bounds on every row: an LCP in z >= 0 is handed to solvers that take no others
+        n = draw.randint(1, 4)
+        M = [[number() for _ in range(n)] for _ in range(n)]
+        lower, upper = [], []
+        for _ in range(n):
+            low, high = sorted((number(), number()))
+            low, high = draw.choice(((0, None), (low, None), (None, high), (low, high), (low, low)))
+            lower.append(low)
+            upper.append(high)
+        friction = {}
+        if n > 1 and draw.random() < 0.5:
+            lower[:2], upper[:2] = [0, None], [None, None]
+            friction = {"friction_of": [None, 0] + [None] * (n - 2), "mu": [None, 0.5] + [None] * (n - 2)}
+        z = [dust(draw.choice((low or 0, low or 0 if high is None else high, number())))
+             for low, high in zip(lower, upper)]
+        z = unreduced(reduced(z, lower, upper, friction), lower, upper, friction)
+        q = [float(-sum(second_judge.Fraction(a) * second_judge.Fraction(b) for a, b in zip(row, z))) for row in M]
+        q = [draw.choice((value, value, value + number())) for value in q]
+        yield lcp(M, q, lower=lower, upper=upper, **friction), z
+
+
+def reduced(z, lower, upper, friction):
+    """z of a mixed LCP without free unknowns as the program's reduction to unknowns >= 0 has it; slacks are zero."""
+    x, slacks = [], 0
+    for i, (value, low, high) in enumerate(zip(z, lower, upper)):
+        if friction and friction["friction_of"][i] is not None:
+            x += [max(value, 0), max(-value, 0)]
+            slacks += 1
+        elif low is None:
+            x.append(high - value)
+        elif low != high:
+            x.append(value - low)
+            slacks += high is not None
+    return x + [0] * slacks
+
+
+def unreduced(x, lower, upper, friction):
+    z, x = [], iter(x)
+    for i, (low, high) in enumerate(zip(lower, upper)):
+        if friction and friction["friction_of"][i] is not None:
+            z.append(next(x) - next(x))
+        elif low is None:
+            z.append(high - next(x))
+        else:
+            z.append(low if low == high else low + next(x))
+    return z
+
+
+def handed_over(problem, z):
+    """What a solver in z >= 0 answers for z."""
+    if "lower" not in problem:
+        return z
+    return reduced(z, problem["lower"], problem["upper"], {"friction_of": problem.get("friction_of") or [None] * len(z)})
+
+
+def proof_cases():
+    """Bare LCPs with an answer and a proof that there is none: the margin decides whether they are nearly solvable."""
+    for share in (1e-9, 0.9e-6, 1.1e-6, 1e-3, 1):
+        yield lcp([[0, 0], [1, 1]], [-share, -1]), [0, 1], [1, 0]
+        yield lcp([[1, -1], [-1, 1]], [-1, 1 - share]), [1, 0], [1, 1]
+        yield lcp([[0, 1e6], [-1e6, 0]], [1, -share]), [0, 0], [0, 1]
+        yield lcp([[1, -1], [-1, 1]], [-1, 1 - share]), [1e9 + 1, 1e9], [1, 1]  # passes, whatever the margin
+    yield lcp([[0, 1, -1], [-1, 0, 0], [1, 0, 0]], [0, 2, -5]), [3, 1e8, 1e8], [0, 1, 1]  # at most 2 and at least 5
+
+
 def close(found, expected, tolerance, absolute):
     try:
         expected = float(expected)
@@ -166,9 +265,14 @@ def close(found, expected, tolerance, absolute):
     return abs(found - expected) <= max(tolerance * abs(expected), absolute)
 
 
-def check(row, problem, z, velocity, claim):
+def check(row, problem, z, velocity, proof):
     expected = second_judge.judge(problem, z, velocity)
     errors, complaints = row["errors"], []
+    if proof:
+        expected["proof_margin"] = second_judge.proof_margin(problem, proof)
+        truth = second_judge.truth_by_proof(expected["proof_margin"])
+        if row["truth"] != truth:
+            complaints.append(f"truth {row['truth']}, by its margin {truth}")
     for measure in MEASURES:
         # The work is a difference of terms up to 2^60 times as large, in sums of 106 bits.
         tolerance = 1e-12 if measure == "work_gain_j" else 1e-13
@@ -177,8 +281,8 @@ def check(row, problem, z, velocity, claim):
             continue
         if not close(errors[measure], expected[measure], tolerance, absolute):
             complaints.append(f"{measure} {errors[measure]}, the page says {float(expected[measure])}")
-    if row["verdict"] != second_judge.verdict(claim, expected["passes"], row["truth"]):
-        complaints.append(f"verdict {row['verdict']} of claim {claim}, passes: {expected['passes']}")
+    if row["verdict"] != second_judge.verdict(row["claim"], expected["passes"], row["truth"]):
+        complaints.append(f"verdict {row['verdict']} of claim {row['claim']}, passes: {expected['passes']}")
     if (row["errors"]["worst_row"] is None) != (expected["worst_row"] is None):
         complaints.append(f"worst row {row['errors']['worst_row']}, the page says {expected['worst_row']}")
     if (row["why"] == "") != (row["verdict"] == "solved"):
@@ -189,13 +293,16 @@ def check(row, problem, z, velocity, claim):
 def main():
     program = os.path.abspath(sys.argv[1])
     draw = random.Random(20)
-    cases = [(problem, z, None) for problem, z in [*known_cases(), *random_cases(draw)]] + list(velocity_cases(draw))
+    cases = [(problem, z, None, None) for problem, z in [*known_cases(), *random_cases(draw)]]
+    cases += [(*case, None) for case in velocity_cases(draw)]
+    cases += [(problem, z, None, proof) for problem, z, proof in proof_cases()]
     with tempfile.TemporaryDirectory() as folder:
-        files, given, claims = [], {}, []
-        for number, (problem, z, velocity) in enumerate(cases):
+        files, given = [], {}
+        for number, (problem, z, velocity, proof) in enumerate(cases):
             name = f"case{number}"
-            claims.append(("solved", "iteration_limit")[number % 5 == 4])
-            given[name] = {"claim": claims[-1], "z": z, **({"velocity": velocity} if velocity else {})}
+            claim = "unsolvable" if proof else ("solved", "iteration_limit")[number % 5 == 4]
+            given[name] = {"claim": claim, "z": handed_over(problem, z), **({"velocity": velocity} if velocity else {}),
+                           **({"farkas": proof} if proof else {})}
             files.append(os.path.join(folder, name + ".json"))
             with open(files[-1], "w", encoding="utf-8") as file:
                 json.dump({"format": "lcpbench-problem", "version": 1, "name": name, **problem}, file)
@@ -210,9 +317,9 @@ def main():
     if len(rows) != len(cases):
         sys.exit(f"{len(rows)} rows for {len(cases)} cases\n{output.stderr}")
     failures, verdicts = 0, {}
-    for number, (row, (problem, z, velocity)) in enumerate(zip(rows, cases)):
+    for number, (row, (problem, z, velocity, proof)) in enumerate(zip(rows, cases)):
         verdicts[row["verdict"]] = verdicts.get(row["verdict"], 0) + 1
-        for complaint in check(row, problem, z, velocity, claims[number]):
+        for complaint in check(row, problem, z, velocity, proof):
             failures += 1
             print(f"case {number}: {complaint}\n  {json.dumps(problem)}\n  z = {z}, {velocity}")
     print(f"{len(cases)} cases, {verdicts}, {failures} differences")
