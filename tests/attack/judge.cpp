@@ -298,7 +298,7 @@ struct Judge::Data {
       for (const Index i : part.coordinates) {
         const Dyadic v = velocity[at(i)] * response.denominator;
         const Dyadic size = root(response.numerator(i, i)) * pushed;
-        const Dyadic rounding = Dyadic(0x1p-53) * size + Dyadic(0x1p-1074) * response.denominator;
+        const Dyadic of_terms = Dyadic(0x1p-53) * size + Dyadic(0x1p-1074) * response.denominator;
         Dyadic of_solving = Dyadic(0x1p-53 * static_cast<double>(part.coordinates.size())) * solving[at(i)];
         const Dyadic most = Dyadic(kSolvedVelocityResidual) * largest;
         if (G.rows > 0 && most * response.denominator < of_solving * root(G(i, i))) {
@@ -307,7 +307,7 @@ struct Judge::Data {
         const Dyadic least = Dyadic(1e-8) * max(response.denominator, root(response.numerator(i, i) * energy * response.denominator));
         const Dyadic tolerance(kSolvedReturnedVelocity);
         result.velocity[at(i)] = result.velocity[at(i)] + v;
-        result.bound[at(i)] = max(tolerance * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding + of_solving,
+        result.bound[at(i)] = max(tolerance * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * of_terms + of_solving,
                                   tolerance * least);
       }
     }
@@ -497,6 +497,16 @@ bool Judge::velocity_holds(const Vector& z, const Vector& u) const {
     if (!(error <= moved.bound[at(k)])) return false;
   }
   return true;
+}
+
+Vector Judge::velocity(const Vector& z) const {
+  const Data::Moved moved = data_->moved(exact(z));
+  Vector result(static_cast<Index>(moved.velocity.size()));
+  for (Index k = 0; k < result.size(); ++k) {
+    const Dyadic& velocity = moved.velocity[at(k)];
+    result(k) = (velocity.sign() < 0 ? -1 : 1) * quotient(abs(velocity), data_->response.denominator);
+  }
+  return result;
 }
 
 Vector Judge::beyond_velocity(const Vector& z) const {

@@ -30,6 +30,9 @@ class Judge {
   /// only G* is given. Contact problems only.
   bool velocity_holds(const Vector& z, const Vector& u) const;
 
+  /// v(z), to about 15 digits. @pre z has n finite entries
+  Vector velocity(const Vector& z) const;
+
   /// More than the bound of velocity_holds, by coordinate. @pre z has n finite entries
   Vector beyond_velocity(const Vector& z) const;
 

@@ -9,7 +9,7 @@
 namespace lcpbench::attack {
 
 const char* to_string(Family family) {
-  constexpr const char* kNames[] = {"lcp", "mixed", "contact", "soft", "doubtful"};
+  constexpr const char* kNames[] = {"lcp", "mixed", "contact", "soft", "doubtful", "rank", "limits"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -19,9 +19,14 @@ const std::vector<std::string>& kinds(Family family) {
     all.insert(all.end(), doubtful_kinds().begin(), doubtful_kinds().end());
     return all;
   }();
-  if (family == Family::kSoft) return soft;
-  const bool bare = family == Family::kLcp || family == Family::kMixed;
-  return bare ? lcp_kinds() : family == Family::kContact ? contact_kinds() : doubtful_kinds();
+  switch (family) {
+    case Family::kContact: return contact_kinds();
+    case Family::kSoft: return soft;
+    case Family::kDoubtful: return doubtful_kinds();
+    case Family::kRank: return rank_kinds();
+    case Family::kLimits: return limit_kinds();
+    default: return lcp_kinds();
+  }
 }
 
 double Draw::power_of_two(int low, int high) { return std::ldexp(1.0, static_cast<int>(integer(low, high))); }
@@ -83,7 +88,7 @@ bool admissible(const Inertia& inertia, Family family) {
     return positive_semidefinite(exact(shifted));
   }
   const Matrix G = dense_inertia(inertia);
-  const bool semidefinite = family == Family::kDoubtful;
+  const bool semidefinite = family == Family::kDoubtful || family == Family::kRank;
   return G.allFinite() && cholesky_succeeds(G) &&
          (semidefinite ? positive_semidefinite(exact(G)) : positive_definite(exact(G)));
 }
@@ -94,6 +99,22 @@ bool admissible(const ContactProblem& contact, Family family) {
 }
 
 bool admissible(const Lcp& lcp) { return lcp.M.allFinite() && lcp.q.allFinite(); }
+
+ContactProblem make_contact(Family family, std::size_t kind, Draw& draw) {
+  switch (family) {
+    case Family::kDoubtful: return make_doubtful_of_kind(kind, draw);
+    case Family::kRank: return make_rank_of_kind(kind, draw);
+    case Family::kLimits: return make_limit_of_kind(kind, draw);
+    case Family::kSoft: {
+      const std::size_t first = contact_kinds().size();
+      ContactProblem contact =
+          kind >= first ? make_doubtful_of_kind(kind - first, draw) : make_contact_of_kind(kind, draw);
+      soften(contact, draw);
+      return contact;
+    }
+    default: return make_contact_of_kind(kind, draw);
+  }
+}
 
 }  // namespace
 
@@ -108,12 +129,9 @@ Problem generate(Family family, std::uint64_t seed, std::uint64_t index) {
       Lcp lcp = mixed ? make_mixed_of_kind(kind, draw) : make_lcp_of_kind(kind, draw);
       if (admissible(lcp)) return Problem(name, std::move(lcp));
     } else {
-      const bool doubtful = family == Family::kDoubtful || kind >= contact_kinds().size();
-      const std::size_t first = family == Family::kSoft ? contact_kinds().size() : 0;
-      ContactProblem contact = doubtful ? make_doubtful_of_kind(kind - first, draw) : make_contact_of_kind(kind, draw);
-      if (family == Family::kSoft) soften(contact, draw);
-      if (admissible(contact, doubtful ? Family::kDoubtful : Family::kContact))
-        return Problem(name, std::move(contact));
+      ContactProblem contact = make_contact(family, kind, draw);
+      const bool doubtful = family == Family::kSoft && kind >= contact_kinds().size();
+      if (admissible(contact, doubtful ? Family::kDoubtful : family)) return Problem(name, std::move(contact));
     }
   }
 }

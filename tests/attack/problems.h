@@ -17,11 +17,14 @@ enum class Family {
   kContact,
   kSoft,      ///< the problems of the other two kinds of contacts, with compliance and tangential offsets
   kDoubtful,  ///< contact problems whose rank, scale or solvability is in doubt when it is computed in double
+  kRank,      ///< contact problems of reduced rank, many of which 113 bits do not resolve
+  kLimits,    ///< contacts with open rows, large offsets, tiny speeds, or light bodies beside heavy ones
 };
 
-inline constexpr Family kFamilies[] = {Family::kLcp, Family::kMixed, Family::kContact, Family::kSoft, Family::kDoubtful};
+inline constexpr Family kFamilies[] = {Family::kLcp,      Family::kMixed, Family::kContact, Family::kSoft,
+                                       Family::kDoubtful, Family::kRank,  Family::kLimits};
 
-/// "lcp", "mixed", "contact", "soft", "doubtful".
+/// "lcp", "mixed", "contact", "soft", "doubtful", "rank", "limits".
 const char* to_string(Family family);
 
 /// The names of the kinds of a family, in the order in which they take turns: problem i is of kind i mod their number.
@@ -63,9 +66,13 @@ Lcp make_lcp_of_kind(std::size_t kind, Draw& draw);
 Lcp make_mixed_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_contact_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_doubtful_of_kind(std::size_t kind, Draw& draw);
+ContactProblem make_rank_of_kind(std::size_t kind, Draw& draw);
+ContactProblem make_limit_of_kind(std::size_t kind, Draw& draw);
 const std::vector<std::string>& lcp_kinds();
 const std::vector<std::string>& contact_kinds();
 const std::vector<std::string>& doubtful_kinds();
+const std::vector<std::string>& rank_kinds();
+const std::vector<std::string>& limit_kinds();
 
 /// Gives some contacts compliance of 1e-12 to 1e12, or zero, and tangential offsets.
 void soften(ContactProblem& contact, Draw& draw);

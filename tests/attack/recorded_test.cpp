@@ -32,15 +32,18 @@ std::vector<Problem> of_the_attack() {
   const std::pair<std::uint64_t, std::uint64_t> contacts[] = {
       {1, 152},   {1, 377},   {1, 497},    {1, 917},      {1, 948},     {1, 1232},        {1, 1784},  {1, 2987},
       {15, 332},  {15, 392},  {1, 418},    {77, 908},     {77, 1638},   {77, 1796},       {77, 1863}, {31, 395},
-      {31, 1087}, {31, 1621}, {31, 11967}, {77001, 3854}, {990123, 69}, {20261201, 93483}};
+      {31, 1087}, {31, 1621}, {31, 11967}, {77001, 3854}, {990123, 69}, {20261201, 93483},
+      {20261130, 5643}, {20261130, 18421}};  // bodies of which a light one does not rest as the heavy one does
   // Contacts that yield, hardly move, are nearly parallel, or underflow; an inertia that is singular by rounding or
   // not.
   const std::pair<std::uint64_t, std::uint64_t> soft[] = {{20261217, 6095},  {20270101, 74446}, {20270101, 82729},
                                                           {20270301, 16414}, {20270301, 69183}, {20270301, 82745},
-                                                          {20261130, 485}};
+                                                          {20261130, 485},
+                                                  {15, 12}};  // an offset of 0.8 m/s beside speeds of 1e-10 m/s
   std::vector<Problem> problems;
   for (const auto& [seed, index] : contacts) problems.push_back(generate(Family::kContact, seed, index));
   for (const auto& [seed, index] : soft) problems.push_back(generate(Family::kSoft, seed, index));
+  problems.push_back(generate(Family::kLimits, 51, 4996));  // at rest on a belt of 7e5 m/s, whose speed is rounded
   return problems;
 }
 
@@ -91,10 +94,8 @@ TEST(RecordedTest, NothingContradictsTheTruthOfTheAttacksOwn) { expect_no_contra
 /// What auto leaves open: at the limits of double, and the last two, which have no solution, since no vector of doubles
 /// proves it. Nothing else may be missed.
 const std::set<std::string> kMissed{"light beside nearly singular", "a path that misses a solution",
-                                    "nearly dependent contacts",    "a reciprocal that overflows",
-                                    "a light coordinate",           "a momentum that underflows",
-                                    "nearly deficient factors",     "a proof beside a product of two ulps",
-                                    "feasible without a solution"};
+                                    "a reciprocal that overflows",  "nearly deficient factors",
+                                    "a proof beside a product of two ulps", "feasible without a solution"};
 
 TEST(RecordedTest, AutoDecidesThem) {
   const auto subject = make_subject("auto");

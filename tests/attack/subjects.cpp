@@ -8,6 +8,7 @@
 #include "core/registry.h"
 #include "native/lcpbench.h"
 #include "study/evaluation/friction_model.h"
+#include "tests/attack/forgers.h"
 
 namespace lcpbench::attack {
 namespace {
@@ -100,7 +101,7 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   Errors errors = target.evaluator.errors(answer);
   measure_friction(friction, target.problem, answer, errors);
   if (errors.unresolved) {
-    target.unresolved = true;
+    target.unresolved = target.unresolved || answer.claim == Claim::kSolved;
     return Outcome::kUnresolved;
   }
   if (errors.solved != (solves && moves_so)) {
@@ -305,10 +306,12 @@ std::vector<std::string> sampled_subject_names() {
     if (std::string loose = with_settings(solver.definition, true); !loose.empty()) names.push_back(loose);
     for (std::string& name : in_other_precisions(solver.definition)) names.push_back(std::move(name));
   }
+  for (std::string& name : forger_names()) names.push_back(std::move(name));
   return names;
 }
 
 std::unique_ptr<Subject> make_subject(const std::string& name) {
+  if (auto forger = make_forger(name)) return forger;
   if (name == kCertify) return std::make_unique<CertifySubject>();
   if (name == kReader) return std::make_unique<ReaderSubject>();
   if (name.starts_with(kEmbedded)) {

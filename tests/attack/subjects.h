@@ -64,7 +64,7 @@ struct Target {
   Judge judge;
   Evaluator evaluator;
   bool passes = false;      ///< some answer so far has rho <= 1e-4, or eta <= 1e-6
-  bool unresolved = false;  ///< the evaluation could not judge some answer so far
+  bool unresolved = false;  ///< the evaluation could not judge some answer so far that claims to solve
 };
 
 /// What is under test at every problem: every native solver that is registered, with cone=true too where it has that
@@ -73,7 +73,7 @@ std::vector<std::string> subject_names();
 
 /// What meets one problem in kSampled only: "embedded:<solver>", ContactSolver with its velocity(), and every native
 /// solver with its tolerances (accept_residual, tolerance) at their largest values, and in each of its other
-/// precisions.
+/// precisions, and the forgers.
 std::vector<std::string> sampled_subject_names();
 inline constexpr std::uint64_t kSampled = 7;
 
