@@ -91,6 +91,7 @@ void read_extras(const JsonObject& reader, SceneStep& step) {
   if (const auto found = static_cast<Index>(step.contact_frames.size()); found != 0 && found != contact.nc()) {
     reader.fail("contact_frames", ": " + count_of(found, "entry") + ", expected " + std::to_string(contact.nc()));
   }
+  if (reader.given("notes")) step.notes = reader.texts("notes");
   if (!reader.given("engine")) return;
   const JsonObject engine = reader.inside("engine");
   engine.only({"impulses", "velocity", "solve_s"});
@@ -107,7 +108,7 @@ void read_extras(const JsonObject& reader, SceneStep& step) {
 SceneStep parse_step(std::string_view text, const std::string& origin) {
   const Json document = parse_json_document(text, origin, true);
   const JsonObject reader(document, origin);
-  reader.only({"step", "time", "problem", "gap", "contact_ids", "contact_frames", "poses", "engine"});
+  reader.only({"step", "time", "problem", "gap", "contact_ids", "contact_frames", "poses", "engine", "notes"});
   SceneStep step;
   step.step = static_cast<std::int64_t>(reader.number("step"));
   if (reader.given("time")) step.time = reader.number("time");

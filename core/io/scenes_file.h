@@ -57,6 +57,8 @@ struct SceneStep {
   Vector engine_impulses;                  ///< the engine's [N s]: f_N, then f_D; read() also sets them in `problem`
   std::optional<double> engine_solve_s;    ///< [s] that the engine's own solver took
   Vector engine_velocity;                  ///< the engine's own velocity after the step [m/s, rad/s]: ngc entries
+  /// How the problem differs from the step that the engine took, each as "what: how many".
+  std::vector<std::string> notes;
 };
 
 /// An opened file of captured steps (docs/reference/scenes-file.md). It holds an index of the steps, and reads a step

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <utility>
 
 #include <zstd.h>
 
@@ -88,8 +90,8 @@ void check_extras(const SceneStep& step) {
   check("engine.impulses", numbers(step.engine_impulses), contact->nc() + cols(contact->D));
   check("engine.velocity", numbers(step.engine_velocity), contact->ngc());
   check_count("contact_ids", static_cast<Index>(step.contact_ids.size()), contact->nc());
-  for (const std::string& id : step.contact_ids) {
-    if (!is_utf8(id)) throw input_error(origin, "contact_ids: not UTF-8");
+  for (const auto& [field, texts] : {std::pair{"contact_ids", &step.contact_ids}, std::pair{"notes", &step.notes}}) {
+    if (!std::ranges::all_of(*texts, is_utf8)) throw input_error(origin, std::string(field) + ": not UTF-8");
   }
 }
 
@@ -114,6 +116,7 @@ std::string scenes_line(const SceneStep& step) {
   if (!step.contact_ids.empty()) add("contact_ids", step.contact_ids);
   if (!step.contact_frames.empty()) add("contact_frames", step.contact_frames);
   if (!step.poses.empty()) add("poses", step.poses);
+  if (!step.notes.empty()) add("notes", step.notes);
   Json engine;
   if (step.engine_impulses.size() > 0) engine["impulses"] = numbers(step.engine_impulses);
   if (step.engine_velocity.size() > 0) engine["velocity"] = numbers(step.engine_velocity);

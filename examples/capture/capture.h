@@ -105,6 +105,8 @@ static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, do
 static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const double* velocity);
 /* The time that the engine's own solver took for the step [s]: the solver `engine` has it beside the others' times. */
 static inline void lcpbench_capture_solve_time(lcpbench_capture* c, double seconds);
+/* How the problem differs from the step that the engine took, as "what: how many"; any number of them. */
+static inline void lcpbench_capture_note(lcpbench_capture* c, const char* note);
 /* Where a body of the pictures stands: position and unit quaternion (w, x, y, z). */
 static inline void lcpbench_capture_pose(lcpbench_capture* c, int body, const double position[3],
                                          const double rotation[4]);
@@ -157,6 +159,7 @@ enum {
   LCPBENCH_B_,
   LCPBENCH_IDS_,
   LCPBENCH_VELOCITY_,
+  LCPBENCH_NOTES_,
   LCPBENCH_TEXTS_
 };
 
@@ -689,6 +692,12 @@ static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const d
   lcpbench_numbers_(c, &c->text[LCPBENCH_VELOCITY_], velocity, n);
 }
 
+static inline void lcpbench_capture_note(lcpbench_capture* c, const char* note) {
+  if (!lcpbench_in_step_(c)) return;
+  lcpbench_next_(c, &c->text[LCPBENCH_NOTES_]);
+  lcpbench_words_(c, &c->text[LCPBENCH_NOTES_], note);
+}
+
 static inline void lcpbench_capture_solve_time(lcpbench_capture* c, double seconds) {
   if (!lcpbench_in_step_(c)) return;
   if (!(seconds >= 0)) lcpbench_fail_(c, "the time of the solver is negative or not a number");
@@ -838,6 +847,7 @@ static inline void lcpbench_capture_end_step(lcpbench_capture* c) {
   if (c->has_ids) lcpbench_list_(c, &line, ",\"contact_ids\":[", LCPBENCH_IDS_, "]");
   if (c->has_frames) lcpbench_frames_(c, &line);
   if (c->pose_count > 0) lcpbench_poses_(c, &line);
+  if (c->text[LCPBENCH_NOTES_].size > 0) lcpbench_list_(c, &line, ",\"notes\":[", LCPBENCH_NOTES_, "]");
   if (impulses || velocity || c->solve_s >= 0) {
     lcpbench_add_(c, &line, ",\"engine\":{");
     if (impulses) lcpbench_impulses_(c, &line);

@@ -64,11 +64,16 @@ TEST_F(CaptureTest, BodiesAndContacts) {
       lcpbench_capture_impulse(capture, contact, 1 + contact, 0.25, -0.125);
     }
     lcpbench_capture_pose(capture, 1, point, rotation);
+    if (step == 120) {
+      lcpbench_capture_note(capture, "\"springs\": 2");
+      lcpbench_capture_note(capture, "belts: 1");
+    }
     lcpbench_capture_end_step(capture);
   }
   EXPECT_EQ(lcpbench_capture_close(capture), 0);
 
   const ScenesFile scenes(file_.string());
+  EXPECT_EQ(scenes.read(scenes.index_of(3)).notes.size(), 0U);
   EXPECT_EQ(scenes.header().scene, "a \"scene\" ");
   EXPECT_EQ(scenes.header().engine_version, "1.0");
   EXPECT_EQ(scenes.header().loop, "auto");
@@ -89,6 +94,7 @@ TEST_F(CaptureTest, BodiesAndContacts) {
   expected.contacts.back().b = 0.5;
   EXPECT_EQ(problem_hash(step.problem), problem_hash(Problem("p", expected)));
   EXPECT_EQ(step.gap, (std::vector<double>{0, -1e-3, -2e-3}));
+  EXPECT_EQ(step.notes, (std::vector<std::string>{"\"springs\": 2", "belts: 1"}));
   EXPECT_EQ(step.contact_ids, (std::vector<std::string>{"0-1", "", ""}));
   ASSERT_EQ(step.poses.size(), 2u);
   EXPECT_TRUE(step.poses[0].empty());

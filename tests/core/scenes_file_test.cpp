@@ -80,6 +80,7 @@ SceneStep step_of(int number) {
   step.gap = {-1e-3, 0.0, 0.5};
   step.contact_ids = {"a", "\"b\" \\", ""};
   step.poses = {{0, 0, 1, 1, 0, 0, 0}, {}};
+  step.notes = {"left \"out\": 3"};
   step.engine_impulses = Vector::LinSpaced(11, 0.0, 1.0);
   step.engine_velocity = Vector{{0, 0.25, 0, 1e-300}};
   return step;
@@ -126,6 +127,7 @@ void expect_equal(const SceneStep& read, const SceneStep& expected) {
   EXPECT_EQ(read.gap, expected.gap);
   EXPECT_EQ(read.contact_ids, expected.contact_ids);
   EXPECT_EQ(read.poses, expected.poses);
+  EXPECT_EQ(read.notes, expected.notes);
   EXPECT_EQ(read.engine_impulses, expected.engine_impulses);
   EXPECT_EQ(read.engine_velocity, expected.engine_velocity);
 }
@@ -176,6 +178,7 @@ TEST_F(ScenesFileTest, StepsThatCouldNotBeReadAgainAreNotWritten) {
   EXPECT_EQ(error_with([](SceneStep& step) { step.contact_ids.pop_back(); }),
             "step 6: contact_ids: 2 entries, expected 3");
   EXPECT_EQ(error_with([](SceneStep& step) { step.poses[0].pop_back(); }), "step 6: poses: 6 entries, expected 7");
+  EXPECT_EQ(error_with([](SceneStep& step) { step.notes[0] = "\xff"; }), "step 6: notes: not UTF-8");
   EXPECT_EQ(error_with([](SceneStep& step) { step.engine_impulses = Vector::Zero(3); }),
             "step 6: engine.impulses: 3 entries, expected 11");
   EXPECT_EQ(error_with([](SceneStep& step) { step.engine_velocity = Vector::Zero(3); }),
