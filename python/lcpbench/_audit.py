@@ -122,10 +122,10 @@ def _roomy(model: Any, state: np.ndarray) -> tuple[Any, Any]:
     roomy, place = copy.copy(model), _arena_place()
     size = ctypes.c_uint64.from_address(roomy._address + 8 * place)
     while True:
-        size.value = max(8 * size.value, 1 << 25)
         data, dropped = _forward(roomy, state)
         if not dropped:
             return roomy, data
+        size.value = max(8 * size.value, 1 << 25)
 
 
 def _reach(model: Any, data: Any) -> float:

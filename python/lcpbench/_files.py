@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import dataclasses
 import os
 from typing import Any, Iterable
@@ -32,7 +33,7 @@ def _path(path: Any) -> str:
     return text
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False)
 class Step:
     """One captured step. What is not known is None."""
 
@@ -45,6 +46,10 @@ class Step:
     velocity: Any = None  #: (ngc,): the engine's own velocity after the step
     poses: Any = None  #: of each body of the pictures position [m] and unit quaternion, w first, or rotation matrix
     contact_frames: Any = None  #: of each contact point [m], normal and tangent in the world: 9 numbers, or none
+    notes: list[str] = dataclasses.field(default_factory=list)  #: how it differs from the engine's: "what: how many"
+
+    def __repr__(self) -> str:
+        return "; ".join([f"<lcpbench.Step {self.step}: {self.problem!r}", *self.notes]) + ">"
 
     def __post_init__(self) -> None:
         ids, problem = self.contact_ids, self.problem
@@ -215,7 +220,13 @@ class Recorder:
             raise InputError("shapes: expected (body, type, size) of each, and gravity three numbers") from None
         self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, length, down, drawn)
         self._seen, self._last = 0, -1
+        self._notes: collections.Counter[str] = collections.Counter()
         self.count = 0  #: steps written
+
+    @property
+    def notes(self) -> list[str]:
+        """Those of the steps that were written: "what: how many", summed up."""
+        return [f"{what}: {count}" for what, count in self._notes.items()]
 
     def wants_next(self) -> bool:
         """Counts one step of the simulation, and returns whether it is one to keep."""
@@ -241,7 +252,9 @@ class Recorder:
         number = max(self._seen - 1, self._last + 1) if step is None else _integer(step, "step", _LARGEST_STEP)
         fields = {name: getattr(each, name) for name in ("time", "gap", "contact_ids", "impulses", "velocity")}
         fields.update(poses=rows(pose_rows(each.poses)), contact_frames=rows(each.contact_frames))
-        self._writer.add(number, each.problem._data, fields)
+        self._writer.add(number, each.problem._data, {**fields, "notes": each.notes})
+        for what, _, count in (note.rpartition(": ") for note in each.notes):
+            self._notes[what] += int(count)
         self._last = number
         self.count += 1
 

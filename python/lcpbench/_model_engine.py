@@ -57,13 +57,16 @@ class _Engine:
         marks = [each.tolist() for each in self._marks]
         if loop:
             self._Z = _null_space(data, _dense_rows(model, data))
-        else:
-            implicit = model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-            (mujoco.mj_implicit if implicit else mujoco.mj_Euler)(model, data)
+        rk4 = not loop and model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        if not loop and not rk4:
+            euler = model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
+            (mujoco.mj_Euler if euler else mujoco.mj_implicit)(model, data)
         step = capture(model, data, soft=bool(self._soft), stepped=not loop)
+        if rk4:  # captured is its first stage
+            mujoco.mj_RungeKutta(model, data, 4)
         reply = {"problem": json.loads(_native.problem_json(step.problem._data)), "gap": step.gap.tolist(),
                  "ids": step.contact_ids, "frames": rows(step.contact_frames), "marks": marks,
-                 "poses": pose_rows(step.poses[self._drawn]).tolist()}
+                 "poses": pose_rows(step.poses[self._drawn]).tolist(), "notes": step.notes}
         if not loop:
             reply.update(impulses=step.impulses.tolist(), velocity=step.velocity.tolist())
         return reply

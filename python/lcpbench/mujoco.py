@@ -11,13 +11,14 @@ leave out what equality constraints take away.
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import ctypes
 import pathlib
 import sys
 import warnings
 import weakref
-from typing import Any, Iterable
+from typing import Any, Iterable, Iterator
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -54,7 +55,7 @@ def _full_inertia(model: Any, data: Any) -> np.ndarray:
     return M
 
 
-def _step_inertia(model: Any, data: Any) -> np.ndarray:
+def _step_inertia(model: Any, data: Any, notes: _Notes) -> np.ndarray:
     """G of G dv = h times forces: inertia, and the damping that the step takes implicitly."""
     import mujoco
 
@@ -64,24 +65,25 @@ def _step_inertia(model: Any, data: Any) -> np.ndarray:
     damped = not disabled & getattr(mujoco.mjtDisableBit, "mjDSBL_DAMPER", mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
     if kind == mujoco.mjtIntegrator.mjINT_EULER:
         if damped and not disabled & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
-            if np.any(getattr(model, "dof_dampingpoly", 0)) or np.any(getattr(model, "actuator_dampingpoly", 0)):
-                raise InputError("capture: damping that is not linear in the velocity (dampingpoly) is outside")
+            for each in ("dof_dampingpoly", "actuator_dampingpoly"):
+                notes.add("damping that is not linear in the velocity, as if no contact changed it",
+                          np.count_nonzero(np.any(getattr(model, each, np.zeros((0, 1))), axis=1)))
             of_joints = np.zeros(model.njnt)
             if hasattr(model, "actuator_damping"):  # from 4.0 on; that of tendons is explicit
                 on = np.asarray(model.actuator_trntype) <= int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
                 np.add.at(of_joints, model.actuator_trnid[on, 0],
                           model.actuator_gear[on, 0] ** 2 * model.actuator_damping[on])
             M.flat[:: model.nv + 1] += h * (model.dof_damping + of_joints[model.dof_jntid])
-    elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
+    elif kind != mujoco.mjtIntegrator.mjINT_RK4:
         layout = model if hasattr(model, "D_rownnz") else data  # of data before 3.3
         counts = np.asarray(layout.D_rownnz)
         rows = np.repeat(np.arange(model.nv), counts)
         derivative = np.zeros_like(M)
         derivative[rows, np.asarray(layout.D_colind)] = np.asarray(data.qDeriv)
         M -= h * 0.5 * (derivative + derivative.T)
-    else:
-        name = mujoco.mjtIntegrator(kind).name
-        raise InputError(f"capture: the integrator {name} is outside; use Euler or implicitfast")
+        uneven = np.abs(derivative - derivative.T) > 1e-12 * np.abs(derivative).max(initial=0.0)
+        notes.add("coordinates whose forces' derivative is not symmetric: that part as if no contact changed it",
+                  np.count_nonzero(uneven.any(axis=0)))
     return M
 
 
@@ -162,10 +164,87 @@ def _warn(text: str) -> None:
     warnings.warn(text, stacklevel=level)
 
 
-def _warn_of_friction(dims: np.ndarray) -> None:
-    for least, what in ((4, "torsional friction (condim 4 or 6)"), (6, "rolling friction (condim 6)")):
-        if dims.max(initial=0) >= least:
-            _warn(f"lcpbench.mujoco.capture: contacts have {what}, which is left out")
+class _Notes:
+    """How a problem differs from MuJoCo's step: what, and how many of it."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+
+    def add(self, what: str, count: int, warn: bool = False) -> None:
+        if count == 0:
+            return
+        self.texts.append(f"{what}: {int(count)}")
+        if warn:
+            _warn(f"lcpbench.mujoco.capture: {what}")
+
+
+def _note(model: Any, data: Any, soft: bool, notes: _Notes) -> None:
+    """What both kinds of problems leave out or change, and what is of hard or of soft contacts alone."""
+    import mujoco
+
+    contact, full = data.contact, (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL)
+    solved = np.asarray(contact.efc_address).ravel() >= 0
+    dims, elliptic = np.asarray(contact.dim).ravel()[solved], model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+    friction = np.asarray(contact.friction).reshape(-1, 5)[solved]
+    notes.add("steps whose contacts or rows MuJoCo dropped, now or before: its memory was full",
+              any(data.warning[int(each)].number > 0 for each in full), warn=True)
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        notes.add("steps of the integrator RK4: the stage that MuJoCo solved last, stepped by Euler's rule", 1, True)
+    if not soft or elliptic:  # a pyramid has edges for them
+        how = "as the force that MuJoCo found" if soft else "left out"
+        notes.add(f"contacts with torsional friction (condim 4 or 6), {how}", np.count_nonzero(dims > 3), not soft)
+        notes.add(f"contacts with rolling friction (condim 6), {how}", np.count_nonzero(dims > 5), not soft)
+        notes.add("contacts with two coefficients of sliding friction: the second tangent is scaled",
+                  np.count_nonzero((dims > 1) & (friction[:, 0] != friction[:, 1])))
+    if not soft and hasattr(contact, "surfacevel"):
+        moving = np.asarray(contact.surfacevel).reshape(-1, 3)[solved].any(axis=1)
+        notes.add("contacts whose surface has a velocity of its own, left out", np.count_nonzero(moving), warn=True)
+    notes.add("rows of friction of joints and tendons, as the force that MuJoCo found", data.nf)
+    if not soft:
+        notes.add("rows of equality constraints, which hold exactly", data.ne)
+    notes.add("contacts that MuJoCo found and did not solve, left out",
+              np.count_nonzero(~solved & (np.asarray(contact.exclude).ravel() < 3)))  # 3: of no coordinates, 4: a spring
+    if hasattr(data, "tree_asleep"):
+        notes.add("kinematic trees asleep, whose contacts MuJoCo does not solve, left out",
+                  np.count_nonzero(np.asarray(data.tree_asleep) >= 0))
+
+
+@contextlib.contextmanager
+def _changed(option: Any, **values: int) -> Iterator[None]:
+    """A model's options with other values for a while: a copy of a model takes longer than a step."""
+    before = {name: getattr(option, name) for name in values}
+    try:
+        for name, value in values.items():
+            setattr(option, name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            setattr(option, name, value)
+
+
+def _stepped_on(model: Any, data: Any) -> Any:
+    """A copy of the data after the step: with its velocity, and qDeriv."""
+    import mujoco
+
+    after = copy.copy(data)
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER:
+        step = mujoco.mj_Euler
+    else:
+        step = mujoco.mj_implicit
+    sleep = int(getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0))  # what falls asleep behind the step is not of it
+    with _changed(model.opt, enableflags=model.opt.enableflags & ~sleep):
+        step(model, after)
+    return after
+
+
+def _before_noslip(model: Any, data: Any) -> Any:
+    """A copy of the data with the forces that MuJoCo's solver finds without noslip_iterations."""
+    import mujoco
+
+    again = copy.copy(data)
+    with _changed(model.opt, noslip_iterations=0):
+        mujoco.mj_fwdConstraint(model, again)
+    return again
 
 
 def _check_pair(model: Any, data: Any) -> None:
@@ -234,16 +313,13 @@ def _velocity_before(model: Any, data: Any) -> np.ndarray:
     return before
 
 
-def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -> Step:
+def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, notes: list[str]) -> Step:
     """The convex problem of MuJoCo [Todorov 2014], as `lcpbench capture --soft` writes it: with the acceleration a, the
     force f of each edge of a pyramid and of each limit asks that J a - efc_aref + R f >= 0. An elliptic cone is one
     contact with friction, of which this vector is in the dual cone."""
     import mujoco
 
     types = np.asarray(data.efc_type)
-    if model.opt.noslip_iterations > 0:
-        raise InputError("capture: soft=True takes models without noslip_iterations: they change the answer of "
-                         "MuJoCo's solver to one of no convex problem; set them to 0")
     h, M = model.opt.timestep, _full_inertia(model, data)
     force, R, equal = np.asarray(data.efc_force), np.asarray(data.efc_R), slice(data.ne)
     lost = slice(data.ne, data.ne + data.nf)  # friction of joints and tendons, as the force that MuJoCo found
@@ -289,24 +365,29 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
     if len(elliptic):
         problem._engine_model = "convex"
     return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
-                velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), **_seen(model, data))
+                velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), notes=notes,
+                **_seen(model, data))
 
 
 def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
     """The contacts of the step that MuJoCo has just taken, or that it will take next.
 
-    Contacts keep condim 1 (no friction) and 3; of condim 4 and 6 torsional and rolling friction are left out, and a
-    warning says so. Two different coefficients along a contact's tangents are kept: the second direction is scaled.
-    Limits of joints and tendons are contacts without friction. Friction of joints (frictionloss) acts as the force that
-    MuJoCo found. Gyroscopic torques, which MuJoCo 4's implicitfast takes implicitly, act as if no contact changed them.
+    Whatever the problem leaves out or has otherwise than MuJoCo's step is a line of the step's `notes`, with how many
+    there are: torsional and rolling friction (condim 4 and 6), friction of joints (frictionloss), which acts as the
+    force that MuJoCo found, equality constraints, a velocity of a surface, trees that sleep, and others; what MuJoCo's
+    answer to hard contacts is not to be blamed for is a warning, too. Limits of joints and tendons are contacts without
+    friction. Of the integrator RK4 it is the stage that MuJoCo solved last, and after `mj_forward` the first one. Of
+    implicit and implicitfast the inertia has the symmetric part of the forces' derivative; the other part, gyroscopic
+    torques, acts as if no contact changed it.
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
         soft: the convex problem that MuJoCo itself solves: each edge of a pyramid, and each limit, is a contact without
             friction that has the compliance efc_R; an elliptic cone is one with friction. Of torsional and
-            rolling friction (condim 4 and 6) the forces that MuJoCo found act, and the cone is what they leave of it. Soft equality constraints are part of the inertia. `check`
-            then says how well MuJoCo solved its own model. Its velocity is that
-            of MuJoCo's acceleration, before an integrator takes damping implicitly.
+            rolling friction (condim 4 and 6) the forces that MuJoCo found act, and the cone is what they leave of it.
+            Soft equality constraints are part of the inertia. `check` then says how well MuJoCo solved its own model.
+            Its velocity is that of MuJoCo's acceleration, before an integrator takes damping implicitly. What
+            noslip_iterations change is not judged: its solver is run once more without them.
         stepped: True: after `mj_step`. None: found from the velocities.
         name: of the problem.
 
@@ -316,8 +397,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         without MuJoCo's correction.
 
     Raises:
-        InputError: the integrator is not Euler or implicitfast, damping is not linear, soft=True and the model has
-            noslip_iterations, or the data hold no step.
+        InputError: the data hold no step.
     """
     import mujoco
 
@@ -329,28 +409,31 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         found, starts = data.cvel[model.body_parentid], _fixed(model).starts
         found[model.dof_bodyid[starts]] += np.add.reduceat(data.cdof * data.qvel[:, None], starts, axis=0) if len(starts) else 0
         stepped = not bool((np.abs(found - data.cvel) <= 1e-12 + 1e-9 * np.abs(data.cvel)).all())
-    after = data
-    if not stepped:  # qDeriv, too, is of the step
-        after = copy.copy(data)
-        implicit = model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        (mujoco.mj_implicit if implicit else mujoco.mj_Euler)(model, after)
+    notes = _Notes()
+    _note(model, data, soft, notes)
     if soft:
-        _step_inertia(model, after)  # refuses what is outside
-        return _soft_step(model, data, J, stepped, name)
-    contact = data.contact
-    if contact.dim.max(initial=0) > 3:
-        _warn_of_friction(contact.dim[contact.efc_address >= 0])
-    if hasattr(contact, "surfacevel") and np.any(contact.surfacevel):
-        _warn("lcpbench.mujoco.capture: contacts have a velocity of their surface, which is left out")
-    first = data.ne + data.nf
-    problem, qvel, impulses, frames, gap, rows = _native.mujoco_step(
+        if model.opt.noslip_iterations > 0:
+            notes.add("steps with noslip_iterations, which solve no convex problem: the forces are those without them",
+                      1, warn=True)
+            data = _before_noslip(model, data)
+        return _soft_step(model, data, J, stepped, name, notes.texts)
+    contact, first = data.contact, data.ne + data.nf
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        after, qvel = data, (_velocity_before(model, data) if stepped else data.qvel) + h * data.qacc
+    else:
+        after = data if stepped else _stepped_on(model, data)  # qDeriv, too, is of the step
+        qvel = after.qvel
+    G, Z = _blocks(model, _step_inertia(model, after, notes)), _null_space(data, J)
+    notes.add("rows of equality constraints that repeat others, left out",
+              0 if Z is None else data.ne - model.nv + Z.shape[1])
+    problem, velocity, impulses, frames, gap, rows = _native.mujoco_step(
         J, data.efc_force, data.efc_pos,
         (contact.efc_address, contact.dim, contact.friction, contact.dist, contact.pos, contact.frame),
         (first, first + data.nl), bool(model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL),
-        _blocks(model, _step_inertia(model, after)), after.qvel, h, _null_space(data, J), name)
+        G, qvel, h, Z, name)
     return Step(Problem._of(problem), gap=gap, contact_ids=_row_ids(model, data, rows),
-                impulses=impulses.reshape(-1, 3), velocity=qvel if stepped else None,
-                contact_frames=frames.reshape(-1, 9), **_seen(model, data))
+                impulses=impulses.reshape(-1, 3), velocity=velocity if stepped else None,
+                contact_frames=frames.reshape(-1, 9), notes=notes.texts, **_seen(model, data))
 
 
 class Recorder(_files.Recorder):
@@ -410,7 +493,9 @@ class Recorder(_files.Recorder):
             warnings.simplefilter("always")
             for i, state in enumerate(states):
                 mujoco.mj_setState(self._model, data, state, self._state)
-                mujoco.mj_step(self._model, data)
+                # Of RK4 the first stage: behind mj_step the data are those of the last one.
+                rk4 = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+                (mujoco.mj_forward if rk4 else mujoco.mj_step)(self._model, data)
                 self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)
         for text in dict.fromkeys(str(each.message) for each in said):
             _warn(text)

@@ -105,8 +105,11 @@ inline Vector contact_impulses(const ContactProblem& contact, nb::handle value, 
                      std::to_string(layout.lambda_offset()) + ",) for [f_N; f_D], or (" + std::to_string(layout.nc) +
                      ", 3) for the normal and both tangents");
   }
-  const std::string no_cone = why_no_round_cone(contact);
-  if (!no_cone.empty()) throw InputError("impulses: " + no_cone);
+  // Four edges are along both tangents, even where a mechanism makes these the same direction.
+  if (std::ranges::any_of(contact.edges, [](int edges) { return edges != 0 && edges != 4; })) {
+    const std::string no_cone = why_no_round_cone(contact);
+    if (!no_cone.empty()) throw InputError("impulses: " + no_cone);
+  }
   const Matrix rows = matrix(value, "impulses");
   Vector f = Vector::Zero(layout.lambda_offset());
   f.head(layout.nc) = rows.col(0);

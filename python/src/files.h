@@ -30,6 +30,7 @@ inline nb::dict step_fields(const SceneStep& step) {
   add("velocity", step.engine_velocity);
   add("poses", step.poses);
   add("contact_frames", step.contact_frames);
+  fields["notes"] = step.notes;
   return fields;
 }
 
@@ -54,6 +55,7 @@ inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::
     }
     check_distinct(step.contact_ids, "contact_ids");
   }
+  if (!nb::try_cast(fields["notes"], step.notes)) throw nb::type_error("notes: expected texts");
   if (given("impulses")) step.engine_impulses = contact_impulses(*contact, fields["impulses"]);
   if (given("velocity")) step.engine_velocity = vector(fields["velocity"], "velocity", contact->ngc());
   for (auto& [name, rows] : {std::pair{"poses", &step.poses}, std::pair{"contact_frames", &step.contact_frames}}) {

@@ -66,14 +66,21 @@ class Capture(unittest.TestCase):
                 warnings.simplefilter("always")
                 model, data, before = simulated(cone=cone, jacobian=jacobian, integrator=integrator, condim=condim)
                 step = lcpbench.mujoco.capture(model, data)
-                self.assertEqual([str(each.message).split("have ")[1].split(" ")[0] for each in said],
+                self.assertEqual([str(each.message).split("with ")[1].split(" ")[0] for each in said],
                                  {1: [], 3: [], 4: ["torsional"], 6: ["torsional", "rolling"]}[condim])
                 problem = step.problem
+                kinds = [each.rpartition(": ") for each in step.notes]
+                rough = str(int(np.count_nonzero(np.asarray(data.contact.dim) > 3)))
+                self.assertEqual([(what.split(" of joints")[0].split(" (")[0], count) for what, _, count in kinds],
+                                 [(f"contacts with {each} friction", rough) for each in ("torsional", "rolling")
+                                  ][: {4: 1, 6: 2}.get(condim, 0)] + [("rows of friction", "1")])
+                for each in step.notes:
+                    self.assertIn(each, repr(step))
                 self.assertGreater(problem.nc, 6)
                 J = np.hstack([problem.N, problem.D])
                 np.testing.assert_allclose(problem.v + problem.Ginv @ (J @ along_directions(step)), step.velocity, atol=1e-12)
                 # The velocity without contacts, by the engine's own forces and not from the velocity after the step.
-                G = lcpbench.mujoco._step_inertia(model, data)
+                G = lcpbench.mujoco._step_inertia(model, data, lcpbench.mujoco._Notes())
                 rows = lcpbench.mujoco._dense_rows(model, data)
                 other = data.qfrc_smooth + rows.T @ data.efc_force - J @ along_directions(step) / model.opt.timestep
                 free = before + model.opt.timestep * np.linalg.solve(G, other)
@@ -101,11 +108,26 @@ class Capture(unittest.TestCase):
                 self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
                 names = {each.split(" #")[0] for each in step.contact_ids}
                 self.assertLessEqual({"ball on floor", "box on geom 1", "geom 1 on floor"}, names)
-        model, data, _ = simulated()
-        model.opt.noslip_iterations = 20
-        mujoco.mj_step(model, data)
-        with self.assertRaisesRegex(lcpbench.InputError, "noslip_iterations"):
-            lcpbench.mujoco.capture(model, data, soft=True)
+
+    def test_what_noslip_iterations_change_is_not_judged(self):
+        for cone, stepped in itertools.product(("pyramidal", "elliptic"), (True, False)):
+            model, data, _ = simulated(40, cone=cone)
+            model.opt.noslip_iterations = 20
+            (mujoco.mj_step if stepped else mujoco.mj_forward)(model, data)
+            with self.assertWarnsRegex(UserWarning, "noslip_iterations, which solve no convex problem"):
+                step = lcpbench.mujoco.capture(model, data, soft=True)
+            self.assertEqual(model.opt.noslip_iterations, 20)
+            self.assertEqual(lcpbench.check(step).verdict, "solved")
+            hard = lcpbench.mujoco.capture(model, data)  # has the forces behind noslip_iterations
+            self.assertNotIn("noslip", repr(hard))
+            if stepped:
+                moved = hard.problem.v + hard.problem.Ginv @ (np.hstack([hard.problem.N, hard.problem.D])
+                                                              @ along_directions(hard))
+                np.testing.assert_allclose(moved, hard.velocity, atol=1e-12)
+            with lcpbench.mujoco._changed(model.opt, noslip_iterations=0):
+                unjudged = lcpbench.mujoco._soft_step(model, data, lcpbench.mujoco._dense_rows(model, data), stepped, "",
+                                                      [])
+            self.assertEqual(lcpbench.check(unjudged).verdict, "wrong")
 
     def test_mujocos_forces_solve_the_soft_problem_of_elliptic_cones(self):
         pair = '<contact><pair geom1="floor" geom2="geom 1" condim="{}" friction="0.5 0.2 0.3 0.05 0.05"/></contact>'
@@ -198,7 +220,7 @@ class Capture(unittest.TestCase):
             except ValueError as error:
                 self.skipTest(str(error))
             forces = data.qfrc_smooth + lcpbench.mujoco._dense_rows(model, data).T @ data.efc_force
-            moved = lcpbench.mujoco._step_inertia(model, data) @ (data.qvel - before)
+            moved = lcpbench.mujoco._step_inertia(model, data, lcpbench.mujoco._Notes()) @ (data.qvel - before)
             np.testing.assert_allclose(moved, model.opt.timestep * forces, atol=1e-12)
 
     def test_a_step_that_leaves_the_velocities_of_contacts_is_told_apart(self):
@@ -235,20 +257,22 @@ class Capture(unittest.TestCase):
                 continue
             with self.subTest(cone=cone, mu=mu, limit=limit, soft=soft), tempfile.TemporaryDirectory() as folder:
                 file = pathlib.Path(folder, "m.xml")
-                file.write_text(text.format(cone=cone, mu=mu, range=limit, loss=0.02 if soft else 0,
-                                            more=pair if soft else ""))
+                file.write_text(text.format(cone=cone, mu=mu, range=limit, loss=0.02, more=pair))
                 command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
                            "--every", "1", "--steps", "20", "--out", "m.scenes", *(["--soft", "exact"] if soft else [])]
-                done = subprocess.run(command, cwd=folder, capture_output=True)
+                done = subprocess.run(command, cwd=folder, capture_output=True, env={**os.environ, "PATH": "/nonexistent"})
                 if done.returncode != 0:
                     self.skipTest("the program has no MuJoCo")
                 model = mujoco.MjModel.from_xml_path(str(file))
-                model.opt.iterations = 1000 if soft else 100
+                model.opt.iterations = 1000
                 data, steps = mujoco.MjData(model), lcpbench.load(folder + "/m.scenes")
                 for k in range(20):
                     mujoco.mj_forward(model, data)
                     ours, other = lcpbench.mujoco.capture(model, data, soft=soft, stepped=False), steps[k]
-                    self.assertEqual(ours.problem.nc, other.problem.nc)
+                    names, debians = (sorted(each.split(" #")[0] for each in step.contact_ids) for step in (ours, other))
+                    self.assertEqual(names, debians)
+                    self.assertIn("ball on floor", names)
+                    self.assertEqual(ours.notes, other.notes)
                     self.assertGreater(ours.problem.nc, 3)
                     for each in ("delassus", "v", "b", "mu", "compliance_n", "compliance_t", "offset_t"):
                         today, debian = (getattr(step.problem, each) for step in (ours, other))
@@ -288,6 +312,12 @@ class Capture(unittest.TestCase):
                 np.testing.assert_allclose(ours.problem.v, other.problem.v, atol=1e-12)
                 np.testing.assert_allclose(ours.impulses, other.impulses, atol=1e-12)
                 np.testing.assert_allclose(ours.velocity, other.velocity, atol=1e-12)
+            file.write_text(text.replace("implicitfast", "RK4"))  # which Debian's takes for Euler's rule
+            done = run(path, "capture", "m", "--every", "1", "--steps", "30")
+            said = "integrator RK4: the stage that MuJoCo solved last, stepped by Euler's rule: "
+            self.assertIn(said + "30", done.stderr)
+            self.assertIn(said + "1", lcpbench.load(folder + "/m-mujoco.scenes")[0].notes[0])
+            file.write_text(text)
             done = run(path, "replay", "m", "--solver", "auto", "--stepper", "pgs", "--engine-solver", "--steps", "60",
                        "--grip", "ball", "box", "--out", "made", "--format", "json")
             self.assertEqual(done.returncode, 0, done.stderr)
@@ -372,12 +402,124 @@ class Capture(unittest.TestCase):
             self.assertEqual([step.problem.edges[i] for i in limits], [0] * len(limits))
             self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
 
-    def test_integrators_outside_are_named(self):
-        for integrator in ("RK4", "implicit"):
-            model, data, _ = simulated(integrator=integrator)
+    def test_of_rk4_a_stage_is_captured_and_it_is_said(self):
+        model, data, _ = simulated(integrator="RK4", damping=5)
+        euler = mujoco.MjModel.from_xml_string(MODEL.format(cone="pyramidal", jacobian="dense", integrator="Euler", condim=3,
+                                                            solver="Newton", damping=5, more=""))
+        euler.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # its step is then explicit, too
+        with tempfile.TemporaryDirectory() as folder:
+            file, before = os.path.join(folder, "r.scenes"), np.array(data.qvel)
+            stage = mujoco.MjData(euler)
+            stage.qpos[:], stage.qvel[:], stage.qacc_warmstart[:] = data.qpos, before, data.qacc_warmstart
+            mujoco.mj_step(euler, stage)
+            first = lcpbench.mujoco.capture(euler, stage)
+            with self.assertWarnsRegex(UserWarning, "RK4"), \
+                    lcpbench.mujoco.Recorder(file, model, data) as recorder:
+                recorder.before_step()
+                mujoco.mj_forward(model, data)
+                with self.assertWarnsRegex(UserWarning, "RK4: the stage that MuJoCo solved last, stepped by Euler's rule"):
+                    forward = lcpbench.mujoco.capture(model, data)
+                mujoco.mj_step(model, data)
+            last = lcpbench.mujoco.capture(model, data)
+            for step in (forward, lcpbench.load(file)[0]):
+                np.testing.assert_allclose(step.problem.v, first.problem.v, atol=1e-9)
+                np.testing.assert_allclose(step.impulses, first.impulses, atol=1e-9)
+                self.assertIn("integrator RK4", step.notes[0])
+        np.testing.assert_allclose(last.problem.v + last.problem.Ginv @ (np.hstack([last.problem.N, last.problem.D])
+                                                                         @ along_directions(last)), last.velocity)
+        self.assertGreater(np.abs(last.problem.v - first.problem.v).max(), 1e-6)
+        for soft in (True, False):
+            self.assertEqual(lcpbench.solve(lcpbench.mujoco.capture(model, data, soft=soft)).verdict, "solved")
+        self.assertEqual(lcpbench.check(lcpbench.mujoco.capture(model, data, soft=True)).verdict, "solved")
+
+    def test_the_implicit_integrator_turns_a_top_as_if_no_contact_did(self):
+        model = mujoco.MjModel.from_xml_string("""
+<mujoco><option integrator="implicit"/><worldbody><geom type="plane" size="3 3 .1"/>
+  <body pos="0 0 .098"><freejoint/><geom type="box" size=".3 .1 .1"/></body></worldbody></mujoco>""")
+        data = mujoco.MjData(model)
+        data.qvel[3:] = [2, 3, 20]
+        mujoco.mj_step(model, data)
+        step = lcpbench.mujoco.capture(model, data)
+        self.assertRegex(step.notes[0], "derivative is not symmetric.*: 3$")
+        J = np.hstack([step.problem.N, step.problem.D])
+        np.testing.assert_allclose(step.problem.v + step.problem.Ginv @ (J @ along_directions(step)), data.qvel)
+        self.assertEqual(lcpbench.solve(step).verdict, "solved")
+
+    def test_notes_count_what_a_problem_has_otherwise(self):
+        margin = "" if int(mujoco.mj_versionString().split(".")[0]) > 3 else 'margin=".2"'  # in it the gap is of 3
+        model = mujoco.MjModel.from_xml_string(f"""
+<mujoco><worldbody><geom name="floor" type="plane" size="9 9 .1"/>
+  <body pos="0 0 .099"><freejoint/><geom name="sled" type="box" size=".1 .1 .1"/></body>
+  <body pos="0 2 .099"><freejoint/><geom name="high" type="sphere" size=".1" gap=".2" {margin}/></body>
+  <body pos="3 0 .5"><joint name="a" axis="0 1 0" frictionloss="3"/><joint name="b" axis="1 0 0" frictionloss="3"/>
+    <geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/></body></worldbody>
+  <contact><pair geom1="sled" geom2="floor" condim="3" friction="0.05 0.8 0 0 0"/></contact>
+  <equality><joint joint1="a" joint2="b"/><joint joint1="a" joint2="b"/></equality></mujoco>""")
+        data = mujoco.MjData(model)
+        data.qpos[9] = 0.2
+        mujoco.mj_step(model, data)
+        notes = dict(each.rsplit(": ", 1) for each in lcpbench.mujoco.capture(model, data).notes)
+        self.assertEqual({what.split(",")[0]: int(count) for what, count in notes.items()},
+                         {"contacts with two coefficients of sliding friction: the second tangent is scaled": 4,
+                          "rows of friction of joints and tendons": 2, "rows of equality constraints": 2,
+                          "contacts that MuJoCo found and did not solve": 1,
+                          "rows of equality constraints that repeat others": 1})
+
+    def test_notes_are_in_the_file_and_summed_up(self):
+        model, data, _ = simulated(steps=20)
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "loop.scenes")
+            with lcpbench.mujoco.Recorder(file, model, data) as recorder:
+                for _ in range(3):
+                    recorder.before_step()
+                    mujoco.mj_step(model, data)
+            what = "rows of friction of joints and tendons, as the force that MuJoCo found: "
+            self.assertEqual([each.notes for each in lcpbench.load(file)], 3 * [[what + "1"]])
+            self.assertEqual(recorder.notes, [what + "3"])
+
+    def test_a_belts_velocity_is_said(self):
+        try:
+            model = mujoco.MjModel.from_xml_string("""
+<mujoco><worldbody><geom type="box" size="3 .5 .1" pos="0 0 -.1" surfacevel="0.6 0 0 0 0 0"/>
+  <body pos="0 0 .0999"><freejoint/><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>""")
+        except ValueError as error:
+            self.skipTest(str(error))
+        data = mujoco.MjData(model)
+        mujoco.mj_step(model, data)
+        with self.assertWarnsRegex(UserWarning, "surface has a velocity"):
+            step = lcpbench.mujoco.capture(model, data)
+        self.assertEqual(step.notes, ["contacts whose surface has a velocity of its own, left out: 4"])
+
+    def test_trees_that_sleep_are_left_out_and_said(self):
+        if not hasattr(mujoco.mjtEnableBit, "mjENBL_SLEEP"):
+            self.skipTest("this MuJoCo has no sleep")
+        model = mujoco.MjModel.from_xml_string("""
+<mujoco><option sleep_tolerance="0.1"><flag sleep="enable"/></option><worldbody><geom type="plane" size="5 5 .1"/>
+  <body pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+  <body pos="1 0 30"><freejoint/><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>""")
+        data = mujoco.MjData(model)
+        slept = False
+        for _ in range(200):
+            mujoco.mj_step(model, data)
             for stepped in (None, False):
-                with self.assertRaisesRegex(lcpbench.InputError, integrator.upper()):
-                    lcpbench.mujoco.capture(model, data, stepped=stepped)
+                step = lcpbench.mujoco.capture(model, data, stepped=stepped)
+            asleep = bool(np.any(np.asarray(data.tree_asleep) >= 0))
+            self.assertEqual([each for each in step.notes if "asleep" in each],
+                             asleep * ["kinematic trees asleep, whose contacts MuJoCo does not solve, left out: 1"])
+            slept |= asleep
+        self.assertTrue(slept)
+        self.assertTrue(model.opt.enableflags & int(mujoco.mjtEnableBit.mjENBL_SLEEP))
+
+    def test_a_mechanism_may_make_both_tangents_one_direction(self):
+        model = mujoco.MjModel.from_xml_string("""
+<mujoco><worldbody><geom type="plane" size="5 5 .1"/>
+  <body pos="0 0 .099"><joint type="slide" axis="0 0 1"/><joint type="slide" axis="1 1 0"/>
+    <geom type="sphere" size=".1"/></body></worldbody></mujoco>""")
+        data = mujoco.MjData(model)
+        mujoco.mj_step(model, data)
+        step = lcpbench.mujoco.capture(model, data)
+        self.assertIn(lcpbench.check(step).verdict, ("solved", "wrong"))
+        self.assertEqual(lcpbench.solve(step).verdict, "solved")
 
     def test_states_become_the_steps_that_were_taken(self):
         model, data, _ = simulated(more='<actuator><motor joint="a"/></actuator>')
