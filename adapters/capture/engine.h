@@ -84,6 +84,7 @@ struct Snapshot {
   Eigen::VectorXd velocity_after;  ///< the engine's own, of all coordinates; empty where it cannot be told
   bool has_impulses = false;
   std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included
+  std::vector<std::string> notes;  ///< how the problem differs from the engine's step: "what: how many"
 };
 
 /// The shape that a pose in Snapshot::poses belongs to, for pictures; without a type: none. Sizes are half lengths and

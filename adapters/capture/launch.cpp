@@ -85,6 +85,11 @@ EngineRun run_engine(const Spec& engine, const std::vector<std::string>& argumen
   const std::string command = engine.options.empty() ? "" : engine.options.front().second;
   const bool of_mujoco = engine.name == "mujoco" && !arguments[1].empty();
   if (!is_there && !of_mujoco) throw InputError(missing);
+  constexpr std::size_t kTrack = 6;
+  // Python's capture has today's MuJoCo. A replay, of which it would take every step, would cost several times as much.
+  if (of_mujoco && arguments[kTrack].empty() && python_has_mujoco(stop)) {
+    return run_program_of("external", kPythonsMujoco, arguments, stop);
+  }
   EngineRun run{"", missing};
   if (is_there) run = run_program_of(engine.name, command, arguments, stop);
   // MuJoCo as it was built against may be too old for the model: then the one of PyPI.

@@ -25,6 +25,8 @@
 #include "core/error.h"
 #include "examples/capture/capture.h"
 
+#include <fmt/format.h>
+
 namespace lcpbench::capture {
 namespace {
 
@@ -46,7 +48,7 @@ class ContactNames {
         distance = d;
       }
       contact.id = nearest != nullptr ? std::exchange(nearest->id, {})
-                                      : contact.pair + "#" + std::to_string(++count_[contact.pair]);
+                                      : numbered(contact.pair, ++count_[contact.pair]);
       now[contact.pair].push_back({contact.local, contact.id});
     }
     before_ = std::move(now);
@@ -54,12 +56,34 @@ class ContactNames {
 
  private:
   static constexpr double kSamePlace = 0.05;  // m
+  static std::string numbered(const std::string& pair, int count) {
+    return count == 1 ? pair : fmt::format("{} #{}", pair, count);
+  }
   struct Known {
     Eigen::Vector3d local;
     std::string id;  ///< empty: taken
   };
   std::unordered_map<std::string, std::vector<Known>> before_;  // by pair
   std::map<std::string, int> count_;
+};
+
+/// Sums up the notes of steps, and says them when the program ends: the last line of stderr, which the command prints.
+class AllNotes {
+ public:
+  void add(const std::vector<std::string>& notes) {
+    for (const std::string& note : notes) {
+      const std::size_t colon = note.rfind(": ");
+      counts_[note.substr(0, colon)] += colon == std::string::npos ? 1 : std::atol(note.c_str() + colon + 2);
+    }
+  }
+  ~AllNotes() {
+    std::string text;
+    for (const auto& [what, count] : counts_) text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", what, count);
+    if (!text.empty()) fmt::print(stderr, "the problems differ from its steps, counted over all steps: {}\n", text);
+  }
+
+ private:
+  std::map<std::string, long> counts_;
 };
 
 struct Arguments {
@@ -122,6 +146,7 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
     lcpbench_capture_velocity(file, static_cast<int>(snapshot.velocity_after.size()), snapshot.velocity_after.data());
   }
   if (told_time && snapshot.solve_s) lcpbench_capture_solve_time(file, *snapshot.solve_s);
+  for (const std::string& note : snapshot.notes) lcpbench_capture_note(file, note.c_str());
   for (std::size_t i = 0; i < snapshot.poses.size(); ++i) {
     const Eigen::Quaterniond& q = snapshot.poses[i].rotation;
     const double rotation[] = {q.w(), q.x(), q.y(), q.z()};
@@ -207,10 +232,13 @@ int run(const Arguments& arguments) {
   std::unique_ptr<Track> track;
   if (replay) track = std::make_unique<Track>(arguments.track, *engine);
   Snapshot snapshot;
-  const long steps = arguments.steps > 0 ? arguments.steps : scene.steps;
+  AllNotes notes;
+  constexpr long kModelSteps = 1000;  // a robot has to fall first: 40 of every tenth step have contacts
+  const long steps = arguments.steps > 0 ? arguments.steps : arguments.model.empty() ? scene.steps : kModelSteps;
   for (long step = 0; step < steps; ++step) {
     engine->step(step, snapshot, loop);
     if (!loop) names.name(snapshot.contacts);
+    notes.add(snapshot.notes);
     std::string failure = loop ? stepper->failure() : "";
     if (replay) {
       const std::string ended = loop ? track->add(step, snapshot, velocity, stepper->claim(), stepper->cpu_s())

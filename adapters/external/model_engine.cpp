@@ -62,7 +62,7 @@ class ModelEngine final : public AskedEngine {
   void take(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     const Json answer = ask({{"verb", "step"}, {"loop", static_cast<bool>(loop)}});
     const JsonObject told(answer, origin());
-    told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "velocity", "solve_s", "frames"});
+    told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "velocity", "solve_s", "frames", "notes"});
     const Problem problem = problem_of_json(told.value("problem"), origin());
     if (problem.contact() == nullptr || problem.kind() != ProblemKind::kContact) {
       told.fail("problem", ": expected one of kind contact");
@@ -81,6 +81,7 @@ class ModelEngine final : public AskedEngine {
       if (place.size() != 3) told.fail("marks", ": expected 3 numbers each");
       snapshot.marks.emplace_back(place);
     }
+    if (told.given("notes")) snapshot.notes = told.texts("notes");
     take_solve_time(told, snapshot);
     if (!loop) {
       snapshot.velocity_after = told.vector("velocity", problem.contact()->ngc());

@@ -76,7 +76,8 @@ Model model_of(const Scene& scene, const std::string& file) {
 
 /// Runs a scene, or a model file of MuJoCo's, and captures each step as a contact problem, in SI units. Ordinarily
 /// contacts and limits are hard and equality constraints hold exactly, so that MuJoCo's own velocity solves another,
-/// softer problem. With Scene::soft it is the convex problem that MuJoCo solves. The integrator is Euler's.
+/// softer problem. With Scene::soft it is the convex problem that MuJoCo solves. The integrator is Euler's. What else
+/// differs is in Snapshot::notes, in the words of lcpbench/mujoco.py.
 class MujocoEngine final : public Engine {
  public:
   MujocoEngine(const Scene& scene, const std::string& file) : Engine(scene, "MuJoCo", mj_versionString()) {
@@ -85,6 +86,8 @@ class MujocoEngine final : public Engine {
     mjcb_time = [] { return thread_cpu_clock_s(); };
     model_ = model_of(scene, file);
     model_->opt.jacobian = mjJAC_DENSE;
+    const char* const integrators[] = {"", "RK4", "implicit"};
+    integrator_ = integrators[std::clamp(model_->opt.integrator, 0, 2)];
     model_->opt.integrator = mjINT_EULER;
     data_.reset(mj_makeData(model_.get()));
     if (scene.elliptic) model_->opt.cone = mjCONE_ELLIPTIC;
@@ -140,10 +143,15 @@ class MujocoEngine final : public Engine {
     const double time_before = solver_time_s();
     mj_forward(model_.get(), data_.get());
     if (!loop) snapshot.solve_s = solver_time_s() - time_before;
+    note(snapshot);
     if (!scene_.soft.empty()) return step_softly(snapshot);
     const Coordinates coordinates(*model_, *data_);
-    const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
-                                     step_length() * coordinates.accelerations(numbers(data_->qfrc_smooth, model_->nv));
+    const int first = data_->ne, lost = data_->nf;  // friction of joints and tendons: the force that MuJoCo found acts
+    const Eigen::Map<const RowMatrix> J(data_->efc_J, data_->nefc, model_->nv);
+    const Eigen::VectorXd forces = numbers(data_->qfrc_smooth, model_->nv) +
+                                   J.middleRows(first, lost).transpose() * numbers(data_->efc_force + first, lost);
+    const Eigen::VectorXd velocity =
+        numbers(data_->qvel, model_->nv) + step_length() * coordinates.accelerations(forces);
     look_at_poses(snapshot);
     for (const mjtNum* place : places_) snapshot.marks.push_back(vector(place));
     if (free_bodies_) {
@@ -218,6 +226,32 @@ class MujocoEngine final : public Engine {
     snapshot.velocity_after = coordinates.reduced(before + h * numbers(data_->qacc, nv));
     snapshot.has_impulses = true;
     mj_Euler(model_.get(), data_.get());
+  }
+
+  void note(Snapshot& snapshot) const {
+    const auto add = [&](const std::string& what, long count) {
+      if (count > 0) snapshot.notes.push_back(fmt::format("{}: {}", what, count));
+    };
+    const auto contacts = [&](auto&& is) {
+      return std::count_if(data_->contact, data_->contact + data_->ncon,
+                           [&](const mjContact& each) { return each.efc_address >= 0 && is(each); });
+    };
+    const bool soft = !scene_.soft.empty();
+    add("steps of the integrator " + integrator_ + ", which Euler's rule took", integrator_.empty() ? 0 : 1);
+    if (!soft || model_->opt.cone == mjCONE_ELLIPTIC) {  // a pyramid has edges for them
+      const char* const how = soft ? "as the force that MuJoCo found" : "left out";
+      add(fmt::format("contacts with torsional friction (condim 4 or 6), {}", how),
+          contacts([](const mjContact& each) { return each.dim > 3; }));
+      add(fmt::format("contacts with rolling friction (condim 6), {}", how),
+          contacts([](const mjContact& each) { return each.dim > 4; }));
+      add("contacts with two coefficients of sliding friction: the second tangent is scaled",
+          contacts([](const mjContact& each) { return each.dim > 1 && each.friction[0] != each.friction[1]; }));
+    }
+    add("rows of friction of joints and tendons, as the force that MuJoCo found", data_->nf);
+    if (!soft) add("rows of equality constraints, which hold exactly", data_->ne);
+    add("contacts that MuJoCo found and did not solve, left out",
+        std::count_if(data_->contact, data_->contact + data_->ncon,
+                      [](const mjContact& each) { return each.efc_address < 0 && each.exclude < 3; }));  // 3: a tie
   }
 
   /// Of a soft problem: friction loss of joints and tendons, and torsional and rolling friction of elliptic cones.
@@ -307,7 +341,15 @@ class MujocoEngine final : public Engine {
            std::all_of(model_->jnt_type, model_->jnt_type + model_->njnt,
                        [](int type) { return type == mjJNT_FREE; }) &&
            none(model_->dof_damping, model_->nv) && none(model_->dof_armature, model_->nv) &&
-           none(model_->dof_frictionloss, model_->nv);
+           none(model_->dof_frictionloss, model_->nv) && has_one_friction_along_both_tangents();
+  }
+
+  /// A contact of free bodies has one coefficient; in rows the second tangent is scaled.
+  bool has_one_friction_along_both_tangents() const {
+    for (int pair = 0; pair < model_->npair; ++pair) {
+      if (model_->pair_friction[5 * pair] != model_->pair_friction[5 * pair + 1]) return false;
+    }
+    return true;
   }
 
   /// Of a model: the bodies as rigid bodies of their own. @pre has_only_free_bodies()
@@ -488,26 +530,34 @@ class MujocoEngine final : public Engine {
     return Eigen::Map<const RowMatrix3>(found.frame) * (a - b);
   }
 
-  /// Says so once: a problem has one coefficient of friction for each contact.
-  void warn_of_two_frictions(const mjContact& found) {
-    if (told_ || found.dim < 3 || found.friction[0] == found.friction[1]) return;
-    told_ = true;
-    std::fprintf(stderr,
-                 "a contact has friction %g and %g along its two tangents; the problem has the first along both\n",
-                 found.friction[0], found.friction[1]);
-  }
-
   /// What a contact keeps its name by. All edges of a pyramid have the same, and keep their order.
   void tell_pair(const mjContact& found, ContactState& contact) const {
+    contact.pair = geometry_name(found.geom2) + " on " + geometry_name(found.geom1);
     if (found.geom1 < 0 || found.geom2 < 0) return;  // of a flex, which has no geometry
     const int a = model_->geom_bodyid[found.geom2];
     const int frame = model_->body_weldid[a] == 0 ? model_->geom_bodyid[found.geom1] : a;
-    contact.pair = fmt::format("{}-{}", found.geom2, found.geom1);
     contact.local = axes(frame).transpose() * (vector(found.pos) - vector(data_->xpos + 3 * frame));
   }
 
+  std::string name(int kind, int id) const {
+    const char* const found = mj_id2name(model_.get(), kind, id);
+    return found == nullptr ? "" : found;
+  }
+
+  /// As Python's capture names it: without a name that of its body, with its index where the body has others.
+  std::string geometry_name(int geom) const {
+    if (geom < 0) return "flex";
+    if (std::string own = name(mjOBJ_GEOM, geom); !own.empty()) return own;
+    const int body = model_->geom_bodyid[geom];
+    const std::string of = body == 0 ? "" : name(mjOBJ_BODY, body);
+    if (of.empty()) return fmt::format("geom {}", geom);
+    return model_->body_geomnum[body] == 1 ? of : fmt::format("{} (geom {})", of, geom);
+  }
+
   std::string pair_of_limit(int row) const {
-    return fmt::format("{}-{}", data_->efc_type[row] == mjCNSTR_LIMIT_JOINT ? "joint" : "tendon", data_->efc_id[row]);
+    const bool joint = data_->efc_type[row] == mjCNSTR_LIMIT_JOINT;
+    const std::string own = name(joint ? mjOBJ_JOINT : mjOBJ_TENDON, data_->efc_id[row]);
+    return "limit of " + (own.empty() ? fmt::format("{} {}", joint ? "joint" : "tendon", data_->efc_id[row]) : own);
   }
 
   void keep_contacts_within_margin() {
@@ -529,11 +579,9 @@ class MujocoEngine final : public Engine {
       contact.normal = vector(found.frame);
       contact.tangent = vector(found.frame + 3);
       contact.mu = found.friction[0];
-      warn_of_two_frictions(found);
-      left_out_.add(found.dim);
       contact.edges = found.dim == 1 ? 0 : 4;
       contact.gap = found.dist;
-      const Eigen::MatrixXd rows = directions(found, a, b);
+      Eigen::MatrixXd rows = directions(found, a, b);
       const double approach = rows.row(0).dot(numbers(data_->qvel, model_->nv));
       if (in_loop && waits_to_bounce(scene_, contact.gap, approach)) continue;
       contact.offset = contact_offset(contact.gap, step_length(), scene_.restitution, approach);
@@ -542,6 +590,11 @@ class MujocoEngine final : public Engine {
       mj_contactForce(model_.get(), data_.get(), i, force);
       contact.impulse = step_length() * vector(force);
       if (coordinates != nullptr) {
+        if (contact.edges > 0) {  // one coefficient along both tangents: the second one is scaled
+          const double ratio = found.friction[1] / found.friction[0];
+          rows.row(2) *= ratio;
+          contact.impulse(2) /= ratio;
+        }
         contact.rows = coordinates->rows(rows);
       } else {
         contact.body_a = moving_of_[static_cast<std::size_t>(a)];
@@ -571,24 +624,7 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
-  /// How often the captured problems with hard contacts leave out what MuJoCo solves, over all steps; said at the end.
-  struct LeftOut {
-    long torsional = 0, rolling = 0;  ///< contacts, each once a step
-
-    void add(int condim) {
-      if (condim > 3) ++torsional;
-      if (condim > 4) ++rolling;
-    }
-    ~LeftOut() {
-      std::string what;
-      for (const auto& [count, words] : {std::pair{torsional, "torsional friction of contacts (condim 4 or 6)"},
-                                         std::pair{rolling, "rolling friction of contacts (condim 6)"}}) {
-        if (count > 0) what += fmt::format("{}{}: {}", what.empty() ? "" : "; ", words, count);
-      }
-      if (!what.empty()) fmt::print(stderr, "the captured problems leave out, counted over all steps: {}\n", what);
-    }
-  } left_out_;
-  bool told_ = false;                  ///< of different frictions along two tangents
+  std::string integrator_;             ///< the model's, where it is not Euler's
   std::vector<int> ids_;               ///< MuJoCo's, of the scene's bodies
   std::vector<Moving> moving_;         ///< bodies that move freely; of a model only where it has no others
   std::vector<const mjtNum*> places_;  ///< of Scene::marks, in data_

@@ -189,7 +189,7 @@ Action add_capture_command(CLI::App& command) {
                      "floating joint, which are two lines (see the page below)");
   add_number(command, "--every", arguments->every, "capture every so many steps",
              CLI::Range(INT64_C(1), INT64_C(1'000'000)));
-  command.add_option("--steps", arguments->steps, "steps that the engine runs (default: the scene's own)")
+  command.add_option("--steps", arguments->steps, "steps that the engine runs (default: the scene's own; 1,000 of a model)")
       ->check(CLI::Range(INT64_C(1), INT64_C(10'000'000)));
   command
       .add_option("--loop", arguments->loop,

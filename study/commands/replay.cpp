@@ -139,6 +139,9 @@ std::optional<ReplayFiles> step_on(const ReplayArguments& arguments, const std::
     fs::remove(files.track, ignored);  // an old one never says that new frames are complete
     frames.commit();
     track.commit();
+    if (run.message.starts_with("the problems differ")) {
+      say(stderr, "lcpbench: {} with {}: {}: {}\n", scene, stepper, engine, run.message);
+    }
     return files;
   }
   say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, stepper, engine, run.ending,

@@ -277,6 +277,46 @@ TEST_F(Capture, TakesAModelOfTheUsers) {
   EXPECT_NE(wrong.err.find("model 'out'"), std::string::npos) << wrong.err;
 }
 
+/// A shelf that the friction of its rail holds, in the capture and in a replay: it is no fault of MuJoCo's that it stands.
+TEST_F(Capture, WhatAModelHasBesidesContactsActsAndIsSaid) {
+  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
+  std::ofstream(folder_ / "shelf.xml")
+      << R"(<mujoco><option timestep="0.005" integrator="RK4"/><worldbody><geom name="floor" type="plane" size="5 5 .1"/>
+    <body name="shelf" pos="0 0 1"><joint name="rail" type="slide" axis="0 0 1" frictionloss="50" range="-2 -.0001" limited="true"/>
+      <geom type="box" size=".3 .3 .02" mass="1"/></body>
+    <body name="jar" pos="0 0 1.0695"><freejoint/><geom name="jar" type="box" size=".05 .05 .05" mass=".2"/></body>
+    <body pos="2 0 .0995"><freejoint/><geom name="sled" type="box" size=".1 .1 .1" mass="1"/></body></worldbody>
+    <contact><pair geom1="sled" geom2="floor" friction="0.05 0.4 0 0 0"/></contact>
+    <keyframe><key qpos="0 0 0 1.0695 1 0 0 0 2 0 .0995 1 0 0 0" qvel="0 0 0 0 0 0 0 .6 .7 0 0 0 0"/></keyframe></mujoco>)";
+  const ProgramRun run = capture("m --engine mujoco --model shelf.xml --steps 40 --every 1 --out m.scenes");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* words : {"rows of friction of joints and tendons, as the force that MuJoCo found: 40",
+                            "steps of the integrator RK4, which Euler's rule took: 40",
+                            "contacts with two coefficients of sliding friction: the second tangent is scaled: "}) {
+    EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+  }
+  const ScenesFile file((folder_ / "m.scenes").string());
+  for (std::size_t i = 0; i < file.count(); ++i) {
+    const SceneStep step = file.read(i);
+    EXPECT_LT(momentum_error(step), 1e-9);
+    EXPECT_GE(step.notes.size(), 2U);
+    EXPECT_LT(std::abs(step.problem.contact()->v(0)), 0.02);  // falling freely: 0.05
+  }
+  const std::vector<std::string> ids = file.read(0).contact_ids;
+  for (const char* each : {"jar on shelf", "jar on shelf #2", "sled on floor", "limit of rail"}) {
+    EXPECT_EQ(std::ranges::count(ids, each), 1) << each;
+  }
+  const ProgramRun replay = run_program(folder_, "replay m --model shelf.xml --stands shelf --solver auto --engine-solver "
+                                                 "--steps 200 --out made --format json");
+  ASSERT_EQ(replay.exit_code, 0) << replay.err;
+  EXPECT_NE(replay.err.find("friction of joints"), std::string::npos) << replay.err;
+  const nlohmann::json replays = nlohmann::json::parse(replay.out)[0]["replays"];
+  for (const std::size_t i : {0U, 1U}) {
+    EXPECT_EQ(replays[i]["survived"], 200) << replay.out;
+    EXPECT_LT(replays[i]["drift_m"].get<double>(), 0.02) << replay.out;
+  }
+}
+
 /// The step that the solver of the loop fails on is kept: it is the one to look at.
 TEST_F(Capture, ASolverThatFailsEndsTheCapture) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
