@@ -191,7 +191,7 @@ def _note(model: Any, data: Any, soft: bool, notes: _Notes) -> None:
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
         notes.add("steps of the integrator RK4: the stage that MuJoCo solved last, stepped by Euler's rule", 1, True)
     if not soft or elliptic:  # a pyramid has edges for them
-        how = "as the force that MuJoCo found" if soft else "left out"
+        how = "as the force that MuJoCo found"
         notes.add(f"contacts with torsional friction (condim 4 or 6), {how}", np.count_nonzero(dims > 3), not soft)
         notes.add(f"contacts with rolling friction (condim 6), {how}", np.count_nonzero(dims > 5), not soft)
         notes.add("contacts with two coefficients of sliding friction: the second tangent is scaled",
@@ -373,8 +373,8 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     """The contacts of the step that MuJoCo has just taken, or that it will take next.
 
     Whatever the problem leaves out or has otherwise than MuJoCo's step is a line of the step's `notes`, with how many
-    there are: torsional and rolling friction (condim 4 and 6), friction of joints (frictionloss), which acts as the
-    force that MuJoCo found, equality constraints, a velocity of a surface, trees that sleep, and others; what MuJoCo's
+    there are: torsional and rolling friction (condim 4 and 6) and friction of joints (frictionloss), which act as the
+    forces that MuJoCo found, equality constraints, a velocity of a surface, trees that sleep, and others; what MuJoCo's
     answer to hard contacts is not to be blamed for is a warning, too. Limits of joints and tendons are contacts without
     friction. Of the integrator RK4 it is the stage that MuJoCo solved last, and after `mj_forward` the first one. Of
     implicit and implicitfast the inertia has the symmetric part of the forces' derivative; the other part, gyroscopic

@@ -257,7 +257,8 @@ class Capture(unittest.TestCase):
                 continue
             with self.subTest(cone=cone, mu=mu, limit=limit, soft=soft), tempfile.TemporaryDirectory() as folder:
                 file = pathlib.Path(folder, "m.xml")
-                file.write_text(text.format(cone=cone, mu=mu, range=limit, loss=0.02, more=pair))
+                file.write_text(text.format(cone=cone, mu=mu, range=limit, loss=0.02,
+                                            more=pair if soft else pair.replace('condim="6"', 'condim="3"')))
                 command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
                            "--every", "1", "--steps", "20", "--out", "m.scenes", *(["--soft", "exact"] if soft else [])]
                 done = subprocess.run(command, cwd=folder, capture_output=True, env={**os.environ, "PATH": "/nonexistent"})
