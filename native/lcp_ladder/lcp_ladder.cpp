@@ -29,6 +29,9 @@ constexpr std::int64_t kPivotsAfterRay = 2;
 /// Systems of equations that the last stage solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
 
+/// Of all paths through a game together, for each unknown: most take n or less.
+constexpr std::int64_t kGamePivots = 100;
+
 /// Entries of tableaus that a stage in 113 bits changes: about a second.
 constexpr std::int64_t kMostQuadWork = 10'000'000;
 
@@ -47,6 +50,7 @@ void LcpLadder::load(const Problem& problem) {
   lemke_.load(problem_);
   if (!takes()) return;
   is_sparse_ = sparse_.load(problem_.lcp());
+  is_game_ = game_.load(problem_.lcp());
   covering_.load(problem_.lcp());
   attempt_.reserve(problem_);
 }
@@ -54,6 +58,7 @@ void LcpLadder::load(const Problem& problem) {
 bool LcpLadder::has(Stage stage) const {
   switch (stage) {
     case Stage::kSparse: return is_sparse_;
+    case Stage::kGame: return is_game_;
     case Stage::kCoveringQuad:
       if (problem_.size() <= kLargestThorough) return true;
       return is_inaccurate_ && problem_.size() <= CoveringLemke::kLargestQuad && covering_pivots_ <= quad_pivots();
@@ -88,6 +93,7 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   };
   constexpr std::array kSteps{
       Step{Stage::kSparse, "sparse principal pivoting", &LcpLadder::run_sparse},
+      Step{Stage::kGame, "lemke-howson", &LcpLadder::run_game},
       Step{Stage::kLemke, "lemke", &LcpLadder::run_lemke},
       Step{Stage::kCovering, "covering lemke", &LcpLadder::run_covering},
       Step{Stage::kLemkeTight, "lemke, tight tolerances", &LcpLadder::run_lemke},
@@ -136,6 +142,26 @@ void LcpLadder::run_sparse(Stage /*stage*/) {
   if (end != SparsePivoting::End::kSolved) return;
   attempt_.claim = Claim::kSolved;
   lemke_.answer_test().settle(attempt_, deadline_s_);
+}
+
+/// Drops one pair after the other.
+void LcpLadder::run_game(Stage /*stage*/) {
+  const Index n = problem_.size();
+  std::int64_t left = kGamePivots * n, pivots = 0;
+  for (Index dropped = 0; dropped < n && left > 0; ++dropped) {
+    attempt_.clear();
+    attempt_.z.resize(n);
+    const LemkeHowson::End end = game_.run(dropped, left, deadline_s_, attempt_.z);
+    left -= std::max<std::int64_t>(game_.pivots(), 1);
+    pivots += game_.pivots();
+    if (end == LemkeHowson::End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
+    if (end == LemkeHowson::End::kSolved) {
+      attempt_.claim = Claim::kSolved;
+      lemke_.answer_test().settle(attempt_, deadline_s_);
+    }
+    attempt_.counters = {.iterations = pivots, .pivots = pivots, .factorizations = 0};
+    if (attempt_.claim == Claim::kSolved || attempt_.claim == Claim::kTimeLimit) return;
+  }
 }
 
 void LcpLadder::run_lemke(Stage stage) {

@@ -3,6 +3,7 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/lcp_ladder/covering_lemke.h"
+#include "native/lcp_ladder/lemke_howson.h"
 #include "native/lcp_ladder/sparse_pivoting.h"
 #include "native/lemke/lemke.h"
 #include "native/proofs/support_search.h"
@@ -14,6 +15,7 @@ namespace lcpbench {
 ///
 /// The stages, in this order:
 /// - SparsePivoting, if its load() takes M;
+/// - LemkeHowson, if M is that of a bimatrix game;
 /// - `lemke` with its default tolerances and a low limit on pivots;
 /// - CoveringLemke in double;
 /// - if n <= 40, `lemke` with tolerances near rounding;
@@ -46,6 +48,7 @@ class LcpLadder {
 
   enum class Stage {
     kSparse,
+    kGame,
     kLemke,
     kCovering,
     kLemkeTight,
@@ -60,6 +63,7 @@ class LcpLadder {
   bool has(Stage stage) const;
   // Each leaves its result in attempt_. Answers have been tested by AnswerTest.
   void run_sparse(Stage stage);
+  void run_game(Stage stage);
   void run_lemke(Stage stage);
   void run_covering(Stage stage);
   void run_exact(Stage stage);
@@ -70,6 +74,8 @@ class LcpLadder {
   Problem problem_;
   SparsePivoting sparse_;
   bool is_sparse_ = false;
+  LemkeHowson game_;
+  bool is_game_ = false;
   Lemke lemke_;
   CoveringLemke covering_;
   SupportSearch supports_;
