@@ -54,6 +54,8 @@ constexpr std::size_t kMostInTurn = 64;
 /// A smaller stated error counts as this one: iterative methods in double reach it, as a rule.
 constexpr double kLeastError = 1e-12;
 
+constexpr const char* kErrorHasNoEffect = "error above 5e-5 has no effect where G is not given as blocks";
+
 double error_of(const AutoSettings& settings) {
   return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
 }
@@ -248,6 +250,10 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
     answer.farkas = Vector::Unit(problem().contact()->nc(), falling_);
   } else {
     solve_islands(request, answer);
+  }
+  if (const ContactProblem* const contact = problem().contact();
+      contact != nullptr && settings_.error > kClaimedResidual && !std::holds_alternative<BlockInertia>(contact->inertia)) {
+    answer.detail += (answer.detail.empty() ? "" : "; ") + std::string(kErrorHasNoEffect);
   }
   if (answer.claim != Claim::kSolved) return;
   if (!std::isfinite(answer.z.sum()) && !answer.z.allFinite()) {

@@ -40,6 +40,18 @@ constexpr double kWorkOfCoordinate = 50, kWorkOfNote = 2;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// A Ginv of more coordinates takes more than a second to invert, in 113 bits and in double, and nothing stops it.
+constexpr Index kLargestPrecise = 100, kLargestInverted = 1000;
+
+/// Whether Ginv is inverted within a second: a large one only in double.
+bool is_quickly_inverted(const Matrix& Ginv) {
+  if (Ginv.rows() <= kLargestPrecise) return true;
+  if (Ginv.rows() > kLargestInverted) return false;
+  const Eigen::LLT<Matrix> factors(Ginv);
+  return factors.info() == Eigen::Success &&
+         is_far_from_singular(Ginv, factors.solve(Matrix::Identity(Ginv.rows(), Ginv.cols())), InverseProof::kRegular);
+}
+
 /// The inertia with a G; nothing if it came as factors or as an inverse and double does not prove it regular. A given G
 /// is not tested. O(ngc^3) unless G is given
 std::optional<Inertia> regular_inertia(const Inertia& inertia) {
@@ -62,6 +74,11 @@ void ProximalNewton::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   result_.reserve(problem);
   refusal_.clear();
+  if (const auto* given = std::get_if<InverseInertia>(&contact.inertia); given && !is_quickly_inverted(given->Ginv)) {
+    refusal_ = "it needs G, and takes long to invert a Ginv that is nearly singular or of more than " +
+               std::to_string(kLargestInverted) + " coordinates";
+    return;
+  }
   const std::optional<Inertia> inertia = regular_inertia(contact.inertia);
   if (!inertia) {
     refusal_ = "it needs an inertia of full rank";

@@ -120,5 +120,26 @@ TEST(ProximalNewtonTest, SaysWhatItDoesNotTake) {
   EXPECT_EQ(answer.detail, "contact 0: its friction directions are not those of a regular polygon");
 }
 
+/// Nearly singular: its inverse in double proves nothing, and that in 113 bits takes minutes, which nothing would stop.
+TEST(ProximalNewtonTest, ALargeNearlySingularGinvIsRefusedAtOnce) {
+  constexpr Index kSize = 400;
+  Matrix Ginv = Matrix::Identity(kSize, kSize);
+  for (Index i = 0; i + 1 < kSize; i += 2) Ginv(i, i + 1) = Ginv(i + 1, i) = 1 - 0x1p-45;
+  ContactProblem contact;
+  contact.inertia = InverseInertia{Ginv};
+  contact.v = Vector::Constant(kSize, -1);
+  contact.N = Matrix(Matrix::Identity(kSize, kSize));
+  contact.D = Matrix(kSize, 0);
+  contact.edges.assign(static_cast<std::size_t>(kSize), 0);
+  contact.mu = Vector::Zero(kSize);
+  for (const char* solver : {"proximal_newton", "contact_ipm"}) {
+    const double begin_s = thread_cpu_clock_s();
+    const Answer answer = solve(solver, Problem("local", contact));
+    EXPECT_EQ(answer.claim, Claim::kUnsupported) << solver;
+    EXPECT_EQ(answer.detail.rfind("it needs G, and takes long to invert a Ginv", 0), 0U) << answer.detail;
+    EXPECT_LT(thread_cpu_clock_s() - begin_s, 5) << "113 bits take some 20 s";
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench::proximal_newton_test
