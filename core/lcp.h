@@ -13,6 +13,8 @@ namespace lcpbench {
 /// Bullet and DART have, at a fixed point of the iteration over its limits. It is a model of its own, no pyramid and no
 /// cone.
 struct LcpBounds {
+  static constexpr double kNoBound = 1e20;
+
   Vector lower;                  ///< -infinity: none, as in rows of friction
   Vector upper;                  ///< infinity: none
   std::vector<int> friction_of;  ///< -1: bounded by lower and upper
@@ -25,6 +27,8 @@ struct LcpBounds {
   LcpBounds of_rows(const std::vector<Index>& rows) const;
   /// Without entries where they are those of nonnegative().
   void simplify();
+  /// Takes bounds of kNoBound and more as none, which is how other programs write them; returns how many it took so.
+  Index drop_huge();
   /// Whether a row has two bounds, or those of friction.
   bool needs_slacks() const;
 };
@@ -35,6 +39,7 @@ struct Lcp {
   Matrix M;  ///< n x n
   Vector q;  ///< n
   LcpBounds bounds{};
+  Index dropped_bounds = 0;  ///< that were read as none, see LcpBounds::drop_huge()
 
   Index size() const { return q.size(); }
   bool is_mixed() const { return bounds.lower.size() > 0; }

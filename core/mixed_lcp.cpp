@@ -77,6 +77,18 @@ void LcpBounds::simplify() {
   if (plain) *this = {};
 }
 
+Index LcpBounds::drop_huge() {
+  Index dropped = 0;
+  const auto drop = [&](double& bound, double none) {
+    if (!std::isfinite(bound) || std::abs(bound) < kNoBound || std::signbit(bound) != std::signbit(none)) return;
+    bound = none;
+    ++dropped;
+  };
+  for (double& bound : lower) drop(bound, -kInfinity);
+  for (double& bound : upper) drop(bound, kInfinity);
+  return dropped;
+}
+
 bool LcpBounds::needs_slacks() const {
   for (Index i = 0; i < lower.size(); ++i) {
     const bool two = lower(i) > -kInfinity && upper(i) < kInfinity && lower(i) < upper(i);

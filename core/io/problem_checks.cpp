@@ -1,8 +1,10 @@
 #include "core/io/problem_checks.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "core/entries.h"
@@ -14,6 +16,13 @@ namespace {
 
 /// Six digits: what single-precision engines keep of a unit vector.
 constexpr double kDirectionTolerance = 1e-6;
+
+/// Two digits.
+std::string short_real(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
 
 /// Row of the first entry where column `partner` is not exactly the negative of `column`; -1 when there is none.
 Index first_unpaired_row(const Matrix& D, Index column, Index partner) {
@@ -167,7 +176,8 @@ class Checker {
 
   /// Elimination with the largest diagonal entry next. What is left of a semidefinite matrix where no entry is positive
   /// may be other than zero by the rounding of n operations on its largest entry.
-  void positive_semidefinite(Matrix matrix, const std::string& field) const {
+  void positive_semidefinite(const Matrix& given, const std::string& field) const {
+    Matrix matrix = given;
     const Index n = matrix.rows();
     if (n == 0) return;
     const double largest = matrix.diagonal().cwiseAbs().maxCoeff();
@@ -182,7 +192,19 @@ class Checker {
       matrix.row(pivot).setZero();
       passes = matrix.diagonal().minCoeff() >= -rounding;
     }
-    if (!passes || !(matrix.cwiseAbs().maxCoeff() <= rounding)) fail(field + ": not positive semidefinite");
+    if (!passes || !(matrix.cwiseAbs().maxCoeff() <= rounding)) fail(field + ": not positive semidefinite" + remedy(given));
+  }
+
+  /// Of a matrix that lost its last digits.
+  static std::string remedy(const Matrix& matrix) {
+    constexpr double kLostDigits = 1e-5;
+    constexpr Index kLargest = 1000;
+    if (matrix.rows() > kLargest) return "";
+    const Vector values = Eigen::SelfAdjointEigenSolver<Matrix>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+    const double least = values.minCoeff(), largest = values.maxCoeff();
+    if (!(least < 0) || !(-least <= kLostDigits * largest)) return "";
+    return ": its least eigenvalue is " + short_real(least) + ", its largest " + short_real(largest) +
+           "; if its entries are rounded to few digits, add " + short_real(-1.1 * least) + " to each on its diagonal";
   }
 
   void inertia(const Inertia& inertia, Index ngc) const {

@@ -212,6 +212,7 @@ Lcp read_lcp(const JsonObject& reader, const std::string& origin) {
   const auto given = [&](const char* field) { return reader.given(field); };
   constexpr std::array kBounds{"lower", "upper", "friction_of", "mu"};
   if (std::any_of(kBounds.begin(), kBounds.end(), given)) read_bounds(reader, lcp);
+  lcp.dropped_bounds = lcp.bounds.drop_huge();
   check_lcp(lcp, origin);
   lcp.bounds.simplify();
   return lcp;

@@ -1,4 +1,6 @@
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
@@ -7,7 +9,8 @@
 // Siconos' dense text: words separated by white space. An LCP is
 //
 //   n, storage (0 = dense), rows, cols, and for dense storage rows and cols again;
-//   M, rows * cols numbers in column-major order; q, n numbers; whatever follows is a comment.
+//   M, rows * cols numbers in column-major order; q, n numbers; whatever follows is a comment, unless it is 2 n numbers:
+//   the bounds of a relay problem.
 //
 // A mixed LCP has n equations and m rows with z >= 0:
 //
@@ -119,12 +122,35 @@ Lcp read_mixed(TextTokens& tokens) {
   return lcp;
 }
 
+/// A relay problem has the lower and the upper bounds of its n rows after q, and no mark of its own.
+void refuse_relay(TextTokens& tokens, std::int64_t n) {
+  std::vector<double> bounds;
+  for (std::string_view word = tokens.next(); !word.empty(); word = tokens.next()) {
+    const std::optional<double> number = parse_decimal(word);
+    if (!number || std::ssize(bounds) == 2 * n) return;
+    bounds.push_back(*number);
+  }
+  if (n == 0 || std::ssize(bounds) != 2 * n) return;
+  for (auto lower = bounds.begin(); lower != bounds.begin() + n; ++lower) {
+    if (!(*lower <= *(lower + n))) return;
+  }
+  tokens.fail("q", "lower and upper bounds follow it: a relay problem, which is not read. Write it as a mixed LCP with "
+                   "lower and upper (docs/reference/problem-file.md)");
+}
+
+Lcp read_lcp(TextTokens& tokens) {
+  const std::int64_t n = tokens.count("n", kMaxDenseOrder);
+  Lcp lcp = read_matrix(tokens, n);
+  refuse_relay(tokens, n);
+  return lcp;
+}
+
 }  // namespace
 
 Problem parse_siconos_lcp(std::string_view text, const std::string& origin) {
   TextTokens tokens(text, origin);
   return Problem(problem_name_of_file(origin),
-                 is_mixed(text, origin) ? read_mixed(tokens) : read_matrix(tokens, tokens.count("n", kMaxDenseOrder)));
+                 is_mixed(text, origin) ? read_mixed(tokens) : read_lcp(tokens));
 }
 
 }  // namespace lcpbench

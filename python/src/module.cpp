@@ -96,6 +96,7 @@ Problem bare(const nb::object& M, const nb::object& q, const nb::object& lower, 
   lcp.M = matrix(M, "M", lcp.q.size(), lcp.q.size());
   lcp.bounds = {vector(lower, "lower"), vector(upper, "upper"), friction_of, vector(mu, "mu")};
   check_lcp(lcp, "Problem");
+  lcp.dropped_bounds = lcp.bounds.drop_huge();
   if (lcp.is_mixed()) lcp.bounds.simplify();
   return {name, std::move(lcp)};
 }

@@ -183,6 +183,9 @@ TEST(ProblemErrorsTest, Inertia) {
       {replaced(kContact, G, R"("Ginv": [[1, 1], [0, 1]])"),
        "Ginv: not symmetric: entry (1, 0) is 0, entry (0, 1) is 1"},
       {replaced(kContact, G, R"("Ginv": [[1, 2], [2, 1]])"), "Ginv: not positive semidefinite"},
+      {replaced(kContact, G, R"("Ginv": [[1, 1.00000002], [1.00000002, 1]])"),
+       "Ginv: not positive semidefinite: its least eigenvalue is -2e-08, its largest 2; if its entries are rounded to "
+       "few digits, add 2.2e-08 to each on its diagonal"},
       {replaced(kScene, "[[1, 0, 0]", "[[1, 0, 0.5]"),
        "bodies[0].inertia: not symmetric: entry (2, 0) is 0, entry (0, 2) is 0.5"},
   });

@@ -212,6 +212,21 @@ TEST_F(ProblemIoTest, BoundsOfEveryLcpAreNone) {
   EXPECT_EQ(friction.bounds.mu, (Vector{{0, 0.5}}));
 }
 
+/// As OSQP and Siconos write infinity.
+TEST_F(ProblemIoTest, BoundsOf1e20AreNone) {
+  const auto with = [&](const std::string& bounds) {
+    return parse_problem_json(
+        R"({"format":"lcpbench-problem","version":1,"name":"p","kind":"lcp","M":[[2,1],[1,2]],"q":[-5,6])" + bounds + "}",
+        "p.json");
+  };
+  const Lcp lcp = with(R"(,"lower":[-1e20,-1e30],"upper":[1e20,9e19])").lcp();
+  EXPECT_TRUE(lcp.bounds.is_free(0));
+  EXPECT_EQ(lcp.bounds.lower(1), -INFINITY);
+  EXPECT_EQ(lcp.bounds.upper(1), 9e19);
+  EXPECT_EQ(lcp.dropped_bounds, 3);
+  EXPECT_FALSE(with(R"(,"lower":[0,0],"upper":[1e20,1e20])").lcp().is_mixed());
+}
+
 TEST_F(ProblemIoTest, FactorsOfALargeInertiaAreWrittenDense) {
   constexpr Index kOrder = kMaxDenseOrder + 1;
   ContactProblem contact;

@@ -51,6 +51,16 @@ TEST(SiconosTextTest, TheMatrixIsColumnMajor) {
   EXPECT_EQ(problem.name(), "murty");
 }
 
+TEST(SiconosTextTest, ARelayProblemIsNoLcp) {
+  const std::string lcp = "2\n0\n2\n2\n2 2\n1 2\n0 1\n-1 -2.5\n";
+  EXPECT_EQ(siconos_error(lcp + "-1 -1\n1 1\n").rfind("a.dat:10: q: lower and upper bounds follow it: a relay problem, ", 0),
+            0U)
+      << siconos_error(lcp + "-1 -1\n1 1\n");
+  for (const char* comment : {"", "-1 -1 1\n", "-1 -1 1 1 1\n", "1 1 -1 -1\n", "made in 2 2 2\n"}) {
+    EXPECT_EQ(siconos_error(lcp + comment), "no error") << comment;
+  }
+}
+
 // One equation, one complementarity row: M = [1 2; 3 4], q = (5, 6).
 const std::string kBlocks = "0 1 2\n0 1\n0\n2\n2\n2\t2\n1 3\n2 4\n5 6\n";
 const std::string kParts = "1\n4\n2\n3\n5\n6\n";
