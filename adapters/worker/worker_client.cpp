@@ -29,7 +29,7 @@ std::unique_ptr<AskedProgram> start_worker(const std::filesystem::path& executab
   std::string failure;
   try {
     const std::string greeting = process->ask({}, worker::message_size, worker::response_capacity({}),
-                                              wall_clock_s() + limits.start_timeout_s);
+                                              wall_clock_s() + limits.start_timeout_s + limits.program_start_s);
     const Answer answer = worker::parse_response(greeting, 0, {}).result.answer;
     if (answer.claim != Claim::kSolved) failure = answer.detail;
   } catch (const worker::NoAnswer& none) {
@@ -70,8 +70,7 @@ class WorkerSolver final : public TimedSolver {
     if (process_ && process_->idle()) return process_->forget_messages();
     process_.reset();
     WorkerLimits limits = limits_;
-    limits.program_start_s =
-        std::min(limits_.program_start_s, std::max(limits_.program_start_allowance_s, time_limit_s));
+    limits.program_start_s = solver_name_ == "external" ? std::max(limits_.program_start_s, time_limit_s) : 0;
     process_ = start_worker(executable_, solver_, limits);
   }
 
@@ -133,7 +132,7 @@ std::string why_not_opened(const std::string& known, const std::string& solver, 
   const std::filesystem::path executable = worker_directory() / worker;
   if (!known.empty() || access(executable.c_str(), X_OK) != 0) return known;
   try {
-    start_worker(executable, solver, {});
+    start_worker(executable, solver, {.program_start_s = 0});
     return {};
   } catch (const std::exception& error) {
     return worker::printable(error.what(), worker::kMaxDetailBytes);

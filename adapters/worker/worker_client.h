@@ -12,11 +12,10 @@ namespace lcpbench {
 
 struct WorkerLimits {
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< address space of the worker process
-  double start_timeout_s = 20.0;                        ///< from fork to the worker's greeting
-  /// How long a program that the worker itself starts may take for its first answer: as long as the time limit of the
-  /// problem that it is started for, but not less than the first number, and not more than the second.
-  double program_start_allowance_s = 5.0;
-  double program_start_s = 18.0;
+  double start_timeout_s = 20.0;  ///< from fork to the worker's greeting, without the program of `external`
+  /// How long that program may take for its first answer: as long as the time limit of the problem that it is started
+  /// for, but not less than this.
+  double program_start_s = 5.0;
   double grace_s = 1.0;  ///< how long past the time limit a worker may take before it is killed
 };
 
@@ -54,7 +53,7 @@ std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executab
 /// The text of RegisteredSolver::unavailable for a solver whose library belongs to the user and is opened only by its
 /// worker: `known` if it is not empty; otherwise the reason, on one line, why a worker that is started for it does not
 /// come up; "" when it does. A missing worker program is no reason here: worker_executable reports it. The worker is
-/// started and ended again, which takes at most WorkerLimits::start_timeout_s.
+/// started and ended again, which takes at most WorkerLimits::start_timeout_s: it starts no program itself.
 /// @param solver  spec of the solver @param worker  file name of its program in worker_directory()
 std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
 
