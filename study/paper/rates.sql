@@ -94,7 +94,7 @@ FROM paper_rates r WHERE r.paper_solver IS NULL AND r.other_readings = '';
 CREATE TEMP VIEW paper_means AS
 SELECT p."table", p.title AS experiment, m.redundancy, p.quantity, p.solver AS paper_solver, m.solver, m.solved_by,
        p.best_mean AS published_best_mean, p.best_sigma AS published_best_sigma, p.best_max AS published_best_max,
-       m."best.mean" AS best_mean, m."best.sigma" AS best_sigma, m."best.max" AS best_max,
+       m."best.mean" AS best_mean, m."best.sigma" AS best_sigma, m."best.max" AS best_max, m."best.n" AS best_n,
        p.all_mean AS published_all_mean, p.all_sigma AS published_all_sigma, p.all_max AS published_all_max,
        m."all.mean" AS all_mean, m."all.sigma" AS all_sigma, m."all.max" AS all_max, m."all.n" AS n, m.best_settings
 FROM published p LEFT JOIN paper_measurements m
@@ -125,8 +125,9 @@ SELECT r."table", replace(r.experiment, ' at ', ' ') || iif(r.reading = 'combina
        MAX(iif(cell = 'Lemke ours', text, NULL)) AS Lemke_ours,
        MAX(iif(cell = 'PATH published', text, NULL)) AS PATH_published,
        MAX(iif(cell = 'PATH ours', text, NULL)) AS PATH_ours,
-       MAX(iif(cell = 'IP published', text, NULL)) AS IP_published, MAX(iif(cell = 'IP ours', text, NULL)) AS IP_ours
-FROM ranked r JOIN texts t ON t."table" = r."table" AND t.experiment = r.experiment
+       MAX(iif(cell = 'IP published', text, NULL)) AS IP_published, MAX(iif(cell = 'IP ours', text, NULL)) AS IP_ours,
+       iif(MIN(r.trials) = MAX(r.trials), '', printf('%d-', MIN(r.trials))) || MAX(r.trials) AS our_trials
+FROM ranked r JOIN texts t ON r.choice = 1 AND t."table" = r."table" AND t.experiment = r.experiment
                               AND coalesce(t.reading, r.reading) = r.reading
 GROUP BY r."table", r.experiment, r.reading ORDER BY substr(r.experiment, 1, 1), length(r.experiment),
          r.experiment, r.reading = 'combination';
@@ -139,15 +140,16 @@ WITH ranked AS (
   FROM paper_means),
 figures AS (
   SELECT *, 'best' AS parameters, published_best_mean AS mean, published_best_sigma AS sigma, published_best_max AS max,
-         best_mean AS our_mean, best_sigma AS our_sigma, best_max AS our_max FROM ranked WHERE choice = 1
+         best_mean AS our_mean, best_sigma AS our_sigma, best_max AS our_max, best_n AS our_n FROM ranked WHERE choice = 1
   UNION ALL
-  SELECT *, 'all', published_all_mean, published_all_sigma, published_all_max, all_mean, all_sigma, all_max
+  SELECT *, 'all', published_all_mean, published_all_sigma, published_all_max, all_mean, all_sigma, all_max, n
   FROM ranked WHERE choice = 1)
 SELECT "table", paper_solver AS solver, replace(experiment, ' at ', ' ') AS exp,
        iif(quantity = 'time_all', 'all', 'solved') AS problems, parameters,
        iif(mean IS NULL, NULL, replace(printf('%.6g (%.6g) %.6g', mean, sigma, max), 'e-0', 'e-')) AS published,
        iif(redundancy = 'multiple' AND our_mean IS NOT NULL,
-           replace(printf('%.3g (%.3g) %.3g', our_mean, our_sigma, our_max), 'e-0', 'e-'), NULL) AS ours
+           replace(printf('%.3g (%.3g) %.3g', our_mean, our_sigma, our_max), 'e-0', 'e-'), NULL) AS ours,
+       iif(redundancy = 'multiple' AND our_mean IS NOT NULL, our_n, NULL) AS our_answers
 FROM figures WHERE mean IS NOT NULL OR our_mean IS NOT NULL
 ORDER BY paper_solver = 'IP', paper_solver, quantity = 'time_all', length(experiment), experiment,
          parameters DESC;

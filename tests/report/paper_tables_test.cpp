@@ -211,6 +211,9 @@ TEST(PrintedTablesTest, EachExperimentIsARowWithThePublishedFigureAndOurs) {
   EXPECT_EQ(row_with(tables["IV.1"], {{"exp", "6 1e5"}})["Lemke_ours"], "100/100/100") << "by the paper's own test";
   EXPECT_TRUE(row_with(tables["IV.1"], {{"exp", "1"}})["Lemke_ours"].is_null());
   EXPECT_EQ(row_with(tables["IV.3"], {{"exp", "6 1e5"}, {"parameters", "all"}})["ours"], "0.002 (0.001) 0.02");
+  EXPECT_EQ(row_with(tables["IV.1"], {{"exp", "2"}})["our_trials"], 2000);
+  EXPECT_TRUE(row_with(tables["IV.1"], {{"exp", "1"}})["our_trials"].is_null());
+  EXPECT_GT(row_with(tables["IV.3"], {{"exp", "6 1e5"}, {"parameters", "all"}})["our_answers"], 0);
 }
 
 TEST(PaperTablesTest, RefusalsStandInsteadOfShares) {
