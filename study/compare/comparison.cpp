@@ -17,6 +17,7 @@
 #include "study/report/choice.h"
 #include "study/report/sql_functions.h"
 #include "study/report/tables.h"
+#include "study/run/study.h"
 
 namespace lcpbench {
 
@@ -30,9 +31,19 @@ using Json = nlohmann::ordered_json;
 using sqlite::Statement;
 using SetNames = std::set<std::string, bool (*)(const std::string&, const std::string&)>;
 
-/// @param wanted  a solver at single settings, "name{settings}"; "": all solvers, sweeps included
-std::vector<StoredSolver> chosen_solvers(Store& store, const std::string& wanted) {
+/// As stores spell it, without settings that are the default; as it is where it names no solver of this program.
+std::string canonical(const std::string& solver) {
+  try {
+    return solver_row(parse_spec(solver)).text();
+  } catch (const InputError&) {  // of another version, or "start=last"
+    return solver;
+  }
+}
+
+/// @param asked_for  a solver at single settings, "name{settings}"; "": all solvers, sweeps included
+std::vector<StoredSolver> chosen_solvers(Store& store, const std::string& asked_for) {
   std::vector<StoredSolver> solvers = store.solvers();
+  const std::string wanted = canonical(asked_for);
   if (wanted.empty()) return solvers;
   std::vector<std::string> known;
   for (const StoredSolver& solver : solvers) {
@@ -72,7 +83,7 @@ class Comparer {
     report::add_statistics_functions(made_);
     made_.execute(std::string(compare::kTables));
     const std::string& wanted_b = options.solver_b.empty() ? options.solver_a : options.solver_b;
-    const bool by_name = options.solver_a.empty() || options.solver_a == wanted_b;
+    const bool by_name = options.solver_a.empty() || canonical(options.solver_a) == canonical(wanted_b);
     add_cells("a", a, chosen_solvers(a, options.solver_a), by_name);
     add_cells("b", b, chosen_solvers(b, wanted_b), by_name);
     // First equal cells are matched, then those that differ only in library and version, then also those of different

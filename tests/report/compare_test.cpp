@@ -225,6 +225,8 @@ TEST_F(CompareTest, TwoSolversOfOneStoreAreCompared) {
   EXPECT_EQ(comparison["cells"][0]["b"]["solver"], "lemke");
   EXPECT_EQ(comparison["cells"][0]["solved"]["only_a"], 13);
   EXPECT_EQ(comparison["cells"][0]["solved"]["b_is"], "worse");
+  // As `run` took it, with a setting that is the default.
+  EXPECT_EQ(compare({.sets = {}, .solver_a = "steady", .solver_b = "lemke{engine=kernel}"}, "a.db"), comparison);
 }
 
 TEST_F(CompareTest, ExitCodesAndJsonOfTheProgram) {
