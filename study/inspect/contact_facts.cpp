@@ -22,6 +22,7 @@ constexpr double kVisible = 0x1p-26;        // sqrt(eps): smaller ones are lost 
 constexpr double kNearDuplicate = 0x1p-10;  // contacts of one face lie further apart; three digits of M agree below it
 constexpr double kOpposed = 0x1p-48;        // unit normals whose sum is shorter are opposite to rounding
 constexpr Index kMostPairs = 2000;          // contacts: above it their pairs are not compared
+constexpr double kTinyNormal = 1e-9;        // of a column of N: a lever arm of a nanometre on a hinge
 constexpr double kMassRatio = 1e6;
 constexpr double kHugeFriction = 10;  // rubber on rock is below 5
 
@@ -177,8 +178,8 @@ void inspect_pairs(const ContactProblem& problem, const Matrix& N, const Matrix&
                         fmt::format("contacts {} have almost the same direction (nearest: {:.3g} apart)", first(near),
                                     nearest));
   inspection.difficulty(!opposed.empty(), "opposed_contacts", static_cast<double>(opposed.size()),
-                        "contacts " + first(opposed) + " push against each other: internal forces are free, and "
-                        "interior points have no centre");
+                        "contacts " + first(opposed) + " push against each other: where neither has a gap, internal forces are "
+                        "free, and interior points have no centre");
   Json& facts = inspection.facts["contact"];
   facts["duplicates"] = std::move(duplicates);
   facts["near_duplicates"] = std::move(near);
@@ -212,7 +213,7 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
   const Index visible = rank["visible"].is_null() ? exact : rank["visible"].get<Index>();
   inspection.difficulty(exact < count, "redundant_contacts", static_cast<double>(count - exact),
                         fmt::format("{} of {} rigid contacts depend on the others (rank of their N is {}): impulses "
-                                    "are not unique, and M is singular",
+                                    "may not be unique, and M is singular",
                                     count - exact, count, exact));
   inspection.difficulty(visible < exact, "nearly_redundant_contacts", static_cast<double>(exact - visible),
                         fmt::format("{} of {} rigid contacts depend on the others but for a part below 1.5e-8, which "
@@ -223,6 +224,14 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
   const Index zero_directions = J.size() > 0 ? zeros(J) - zero_normals : 0;
   inspection.data(zero_normals > 0, "zero_normals", static_cast<double>(zero_normals),
                   fmt::format("columns of N that are zero: {}. Such a contact pushes nothing", zero_normals));
+  Range lengths;
+  for (Index i = 0; i < N.cols(); ++i) {
+    if (!N.col(i).isZero(0)) lengths.add(N.col(i).stableNorm());
+  }
+  inspection.data(lengths.low < kTinyNormal, "tiny_normals", lengths.low,
+                  fmt::format("a column of N has length {:.3g}, where normals have 1: rounding, which an impulse of 1 "
+                              "over that makes up for?",
+                              lengths.low));
   inspection.data(zero_directions > 0, "zero_directions", static_cast<double>(zero_directions),
                   fmt::format("columns of D that are zero: {}. Friction there does nothing", zero_directions));
   inspect_pairs(problem, N, unit_columns(normals), inspection);

@@ -222,6 +222,9 @@ Inspection inspect(const Problem& problem) {
   } else {
     if (dense) inspect_matrix(problem.lcp(), all_indices(problem.size()), false, inspection);
     inspect_velocities(problem.lcp().q, false, inspection);
+    const Index dropped = problem.lcp().dropped_bounds;
+    inspection.data(dropped > 0, "huge_bounds", static_cast<double>(dropped),
+                    fmt::format("bounds of {:g} and more: {}. They are taken as none", LcpBounds::kNoBound, dropped));
     if (problem.lcp().is_mixed()) std::erase_if(inspection.warnings, asks_for_nonnegative);
   }
   std::stable_partition(inspection.warnings.begin(), inspection.warnings.end(),
@@ -243,11 +246,13 @@ Json inspection_json(const Inspection& inspection) {
 
 std::string inspection_text(const Inspection& inspection, int width) {
   TextTable table({{"", TextTable::Align::kLeft, 0, 20}, {"", TextTable::Align::kLeft}});
+  const bool bare = inspection.facts["contact"].is_null();
   for (const auto& [section, facts] : inspection.facts.items()) {
     if (facts.is_null()) continue;
+    const std::string heading = section == "velocity" && bare ? "q" : section;
     if (!table.empty()) table.add_line("");
     for (const auto& [key, value] : facts.items()) {
-      std::string label = section == "problem" ? key : section + ": " + key;
+      std::string label = section == "problem" ? key : heading + ": " + key;
       std::replace(label.begin(), label.end(), '_', ' ');
       if (key != "edges" && !(key == "name" && value.get<std::string>().empty())) {
         table.add_row({label, value_text(value)});

@@ -369,6 +369,9 @@ TEST(InspectTest, ContactsThatPushNothingAreNamed) {
   ContactProblem problem = corner();
   std::get<Matrix>(problem.N).col(1).setZero();
   expect_data(of(problem), "zero_normals", 1);
+  expect_absent(of(problem), "tiny_normals");
+  problem.N = Matrix(1e-17 * to_dense(problem.N));
+  expect_data(of(problem), "tiny_normals", 1e-17, 1e-20);
 }
 
 TEST(InspectTest, OddFrictionIsNamed) {
