@@ -183,7 +183,7 @@ Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets
   }
   const auto or_last = [](double value) { return std::isnan(value) ? kInfinity : value; };
   std::ranges::sort(contenders, {}, [&](const Contender& each) {
-    return std::tuple(or_last(-each.solved.value()), or_last(each.time.value), each.solver);
+    return std::tuple(or_last(-each.sure_share()), or_last(each.time.value), each.solver);
   });
   const auto chosen = std::ranges::min_element(contenders, {}, [](const Contender& each) {
     return may_be_recommended(each) ? each.time.value : kInfinity;

@@ -152,10 +152,13 @@ struct Contender {
   bool tie = false;  ///< reliable, no refusal, no false claim, and `factor` is shown and cannot be told from 1
 
   bool reliable() const { return ground == Ground::kNone; }
+  /// The share that it solves for sure of the problems that it met, a refused one as one that it does not solve: the
+  /// lower end of the 95 % interval. NaN where all are proven unsolvable.
+  double sure_share() const { return wilson(solved.part, solved.whole + refused.part).low; }
 };
 
 struct Choice {
-  std::vector<Contender> contenders;  ///< the recommended one first, then by share solved, time and solver
+  std::vector<Contender> contenders;  ///< the recommended one first, then by sure_share(), time and solver
   bool recommended = false;           ///< the first of them is
   double plan_share = 1;              ///< of the answers planned for these sets those that are there; 1: nobody knows
   std::int64_t most_solvable = 0;     ///< problems not proven unsolvable that any contender took

@@ -76,11 +76,30 @@ std::string more_problems_hint(const Summary& summary, const Situation& situatio
   }
 }
 
+/// Of problems that all have no solution: who said so most often.
+std::string unsolvable_words(const Summary& summary, const Situation& situation) {
+  std::map<std::size_t, std::int64_t> rightly;  // by solver
+  std::int64_t problems = 0;
+  for (const std::size_t set : situation.sets) problems += summary.sets[set].problems;
+  for (const Contender& each : situation.choice.contenders) rightly[each.solver] = 0;
+  for (const Cell& cell : summary.cells) {
+    if (std::ranges::find(situation.sets, cell.set) == situation.sets.end()) continue;
+    const auto solver = rightly.find(cell.solver);
+    if (solver != rightly.end()) solver->second += cell.count(Claim::kUnsolvable, Verdict::kUnsolvable);
+  }
+  const auto best = std::ranges::max_element(rightly, {}, &std::pair<const std::size_t, std::int64_t>::second);
+  return fmt::format("every problem is proven to have no solution; {}",
+                     best->second == 0 ? "no solver said so"
+                                       : fmt::format("{} said so of {} of {}", solver_label(summary, best->first),
+                                                     best->second, counted(problems, "problem")));
+}
+
 /// Why no solver of the situation is recommended, and who solved most surely.
 std::string withheld_words(const Summary& summary, const Situation& situation) {
   const Choice& choice = situation.choice;
   if (choice.recommended || choice.contenders.empty()) return "";
   const std::int64_t most = choice.most_solvable;
+  if (most == 0) return unsolvable_words(summary, situation);
   std::string words = "no solver is shown to be reliable here";
   if (most < least_problems()) {
     words = fmt::format("too few to say: {}; the report needs {}{}", counted(most, "problem"), least_problems(),
@@ -92,12 +111,13 @@ std::string withheld_words(const Summary& summary, const Situation& situation) {
   }
   const auto low = [](const Contender& each) {  // what is shown to be unreliable comes last
     const bool bad = !each.reliable() && each.ground <= Ground::kBehindTheBest;
-    return std::pair(!bad, std::fmax(each.solved.interval().low, -1));
+    return std::pair(!bad, std::fmax(each.sure_share(), -1));
   };
   const Contender& best = *std::ranges::max_element(choice.contenders, {}, low);
-  return words + fmt::format("; the best by share solved, {}, solved {} ({}) of {}", solver_label(summary, best.solver),
+  return words + fmt::format("; the best by share solved, {}, solved {} ({}) of {}{}", solver_label(summary, best.solver),
                              percent(best.solved.value()), percent_range(best.solved.interval()),
-                             counted(best.solved.whole, "problem"));
+                             counted(best.solved.whole, "problem"),
+                             best.refused.part > 0 ? fmt::format(", and refused {}", best.refused.part) : "");
 }
 
 }  // namespace

@@ -157,10 +157,11 @@ std::string answer_text(Store& store, const report::Report& report, int width, s
   for (const report::Situation& situation : report.situations) {
     if (!situation.withheld.empty()) end += situation.title + ": " + situation.withheld + "\n";
   }
+  const bool end_says_why = !end.empty();
   end = folded(end, width) + caught_text(store, report.summary, width);
   if (situations_table(store, 0, width).empty()) {
     const std::string none =
-        folded("no solver is recommended: that takes random contact problems or captured scenes\n", width);
+        end_says_why ? "" : folded("no solver is recommended: that takes random contact problems or captured scenes\n", width);
     return fitting_text(kHardSolvers, lines,
                         [&](std::size_t rows) { return hard_text(store, width, rows) + none + end; });
   }

@@ -36,13 +36,14 @@ FROM cells c JOIN set_facts f ON f.name = c."set" AND f.hard
 WHERE c.sweep = '';
 
 -- For each kind of contacts whom to show: the solver to use, or the one that leads; with more detail the best of Bullet
--- and of ODE by the surest share solved, then reliable solvers that are more accurate than every faster one. Before all
+-- and of ODE by the share that is sure to be solved of all problems met, then reliable solvers that are more accurate than every faster one. Before all
 -- these stand the solvers that the user named, in that order.
 CREATE TEMP VIEW terminal_answer AS
 WITH ranked AS (
   SELECT *, contenders.rowid AS place, ROW_NUMBER() OVER (
-           PARTITION BY contacts ORDER BY recommended DESC, reliable IS 0, reliable IS NULL, "solved.low" DESC) = 1
-           AS leads,
+           PARTITION BY contacts ORDER BY recommended DESC, reliable IS 0, reliable IS NULL,
+                                          wilson_low("solved.part", "solved.whole" + "refused.part") DESC) = 1
+           AND "solved.whole" > 0 AS leads,
          CASE WHEN solver LIKE 'bullet@_%' ESCAPE '@' THEN 'Bullet' WHEN solver LIKE 'ode@_%' ESCAPE '@' THEN 'ODE' END
            AS engine,
          MAX(recommended) OVER (PARTITION BY contacts) AND coalesce(reliable, 0) AND "refused.part" = 0 AS usable
@@ -57,7 +58,8 @@ parts AS (
            ELSE coalesce(engine, iif(named.rowid IS NOT NULL, '', NULL)) END AS part, named.rowid AS named,
          CASE WHEN leads OR named.rowid IS NOT NULL THEN 0 WHEN number IS NOT NULL THEN number + 1 ELSE 1 END AS detail,
          ROW_NUMBER() OVER (PARTITION BY contacts, engine, number IS NULL AND NOT leads
-                            ORDER BY "solved.low" DESC, ranked.place) AS of_engine
+                            ORDER BY wilson_low("solved.part", "solved.whole" + "refused.part") DESC,
+                                     ranked.place) AS of_engine
   FROM ranked LEFT JOIN finer USING (place) LEFT JOIN named ON named.solver = ranked.solver)
 SELECT detail, iif(ROW_NUMBER() OVER (PARTITION BY contacts ORDER BY named IS NULL, named, NOT leads) = 1, contacts, '')
          AS contacts, part,

@@ -166,6 +166,43 @@ TEST_F(EndorsementTest, WhoIsProvenBadLeadsNothing) {
   EXPECT_NE(withheld().find("the best by share solved, newcomer, solved"), std::string::npos) << withheld();
 }
 
+/// Of 8 of 8 with 52 refusals less is known than of 40 of 60, and of 4 of 4 less than of 30 of 30.
+TEST_F(EndorsementTest, WhoRefusesNearlyAllLeadsNothing) {
+  const auto picky = made_.solver("picky");
+  const auto plain = made_.solver("plain");
+  answers(0, 8, {{picky, {.time_s = 1e-6}}, {plain, {}}});
+  answers(8, 40, {{picky, kRefuses}, {plain, {}}});
+  answers(40, 60, {{picky, kRefuses}, {plain, kGivesUp}});
+  read();
+  EXPECT_GT(contender("picky").solved.interval().low, contender("plain").solved.interval().low);
+  EXPECT_LT(contender("picky").sure_share(), contender("plain").sure_share());
+  EXPECT_NE(withheld().find("the best by share solved, plain, "), std::string::npos) << withheld();
+  report::fill_tables(made_.store(), report_);
+  const auto leaders = report::records_of(report::run_query(
+      made_.store().database(), "leaders", "SELECT solver FROM terminal_answer WHERE part = '(leads)'"));
+  ASSERT_EQ(leaders.size(), 1U);
+  EXPECT_EQ(leaders[0]["solver"], "plain");
+  Statistics statistics;
+  statistics.cells = {made_cell(4, 4), made_cell(30, 30)};
+  statistics.cells[1].solver = 1;
+  statistics.plans = {report::SetPlan{}};
+  EXPECT_EQ(choose(statistics, {0}, {0, 1}, 0).contenders.front().solver, 1U);
+}
+
+/// Where nothing can be solved nobody leads, and who proved it is named.
+TEST_F(EndorsementTest, OfProblemsWithoutASolutionWhoSaysSoIsNamed) {
+  const auto proves = made_.solver("proves");
+  const auto gives_up = made_.solver("gives_up");
+  answers(0, 4, {{gives_up, kGivesUp}, {proves, {.claim = Claim::kUnsolvable, .error = kNone, .criterion = false,
+                                                 .proves_unsolvable = true}}});
+  read();
+  EXPECT_EQ(withheld(), "every problem is proven to have no solution; proves said so of 4 of 4 problems");
+  report::fill_tables(made_.store(), report_);
+  EXPECT_EQ(report::run_query(made_.store().database(), "leaders", "SELECT * FROM terminal_answer WHERE detail = 0")
+                .rows.size(),
+            0U);
+}
+
 /// Mine first, as the user wrote them, and by the name that he gave; the one to use behind them.
 TEST_F(EndorsementTest, TheTerminalsAnswerBeginsWithTheNamedSolvers) {
   const auto best = made_.solver("best");

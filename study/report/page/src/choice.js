@@ -119,6 +119,7 @@ export class Statistics {
     record.of = record.taken - record.unsolvable;
     record.share = record.of ? record.solved / record.of : NaN;
     record.interval = wilson(record.solved, record.of);
+    record.sureShare = wilson(record.solved, record.of + record.refused).low;
     record.time = geometricMean(time);
     record.metAllSets = record.cells.length === sets.length;
     return record;
@@ -140,7 +141,7 @@ export class Statistics {
     const orLast = (value) => (Number.isNaN(value) ? Infinity : value);
     const compare = (a, b) => (a === b ? 0 : a < b ? -1 : 1);
     records.sort((a, b) =>
-      compare(orLast(-a.share), orLast(-b.share)) || compare(orLast(a.time.value), orLast(b.time.value)) ||
+      compare(orLast(-a.sureShare), orLast(-b.sureShare)) || compare(orLast(a.time.value), orLast(b.time.value)) ||
       a.solver - b.solver);
     const mayBeUsed = (record) => record.ground === "reliable" && !record.refused;
     let recommended = null;
