@@ -18,6 +18,9 @@ struct SolveTimes {
   int repeats = 1;
 };
 
+/// So long short solves are repeated wherever a time is told: `run`, `solve`, `view` and `bench` then tell the same [s].
+inline constexpr double kRepeatUntilS = 2e-4;
+
 struct TimedRequest {
   double time_limit_s = 10.0;   ///< on each solve, wall clock
   double repeat_until_s = 0.0;  ///< repeat load and solve until each batch takes this long, CPU (0: once)
@@ -49,10 +52,12 @@ class StopCheck {
   double leap_s_ = 0;
 };
 
-/// Loads and solves under both clocks. The first load and solve give the answer. When together they took less CPU time
-/// than `repeat_until_s`, a batch of loads and a batch of loads with their solves follow (one clock reading around each
-/// batch), and the means are reported, the solve's as their difference: cold caches and clock resolution drop out, and
-/// no solve gains from what the one before it prepared. Throws what the solver throws.
+/// Loads and solves under both clocks. The first load and solve give the answer. Unless they took far longer than
+/// `repeat_until_s`, they are timed twice more. Where the least of these took less CPU time than `repeat_until_s`, three
+/// batches of loads and three of loads with their solves follow (one clock reading around each batch), which together
+/// take as long, and the medians of their means are reported, the solve's as their difference: cold caches, the clock's
+/// resolution and what other programs do drop out, and no solve gains from what the one before it prepared. Else the
+/// median of the three times is. Throws what the solver throws.
 void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& request, TimedAnswer& result);
 
 /// Something that answers problems under the clock: a native solver in this process, or a foreign one in its worker.

@@ -17,8 +17,6 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kRepeatUntilS = 2e-4;
-
 struct BenchArguments {
   std::vector<std::string> sets{"paper/monotone/exp1", "paper/copositive/exp1"};
   std::vector<std::string> solvers{"lemke{engine=kernel}"};

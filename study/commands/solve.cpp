@@ -29,9 +29,6 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kShortSolveS = 0.01;
-constexpr double kRepeatUntilS = 2e-4;
-
 struct SolveArguments {
   std::vector<std::string> files;
   std::vector<std::string> solvers;
@@ -112,10 +109,6 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
   request.time_limit_s = time_limit_s;
   request.repeat_until_s = once ? 0 : kRepeatUntilS;
   solver.run(problem, request, result.timed);
-  // The first solve of a process pays for loading code too; a short one is measured again, without that.
-  if (!once && result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
-    solver.run(problem, request, result.timed);
-  }
   const Answer& answer = result.timed.answer;
   result.model = friction_model(result.solver.friction, problem);
   result.judgement = judge.judgement(judge.judge(answer, result.model));

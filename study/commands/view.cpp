@@ -72,12 +72,14 @@ std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<S
                                      const std::string& engine, double time_limit_s,
                                      const volatile std::sig_atomic_t* stop) {
   BoundedCertifier certifier;
+  const TimedRequest request{.time_limit_s = time_limit_s,
+                             .repeat_until_s = are_timed_once(solvers) ? 0 : kRepeatUntilS};
   Judge judge(problem, certifier);
   std::vector<ViewedAnswer> answers;
   for (const Spec& spec : solvers) {
     if (*stop != 0) break;
     TimedAnswer timed;
-    open_solver(spec)->run(problem, {.time_limit_s = time_limit_s}, timed);
+    open_solver(spec)->run(problem, request, timed);
     const FrictionModel model = friction_model(solver_row(spec).friction, problem);
     answers.push_back({.solver = solver_label(spec.text(), engine),
                        .model = model,

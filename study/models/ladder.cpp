@@ -23,9 +23,6 @@ constexpr int kMostPasses = 8;
 /// Largest velocity_residual_relative, by the round cone, at which an answer of the relaxed cone counts as kRest.
 constexpr double kRests = 1e-8;
 
-constexpr double kShortSolveS = 0.01;
-constexpr double kRepeatUntilS = 2e-4;
-
 enum class SolvedBy { kNothing, kPyramid, kRelaxedCone, kCone };
 
 struct Traits {
@@ -53,15 +50,12 @@ static_assert(kTraits.size() == kContactModels.size());
 
 const Traits& traits_of(ContactModel model) { return kTraits[static_cast<std::size_t>(model)]; }
 
-/// Solves by a new solver. If load and solve take less than kShortSolveS, a second run replaces the first.
+/// Solves by a new solver.
 TimedAnswer run(const Spec& spec, const Problem& problem, double time_limit_s) {
   const std::unique_ptr<Solver> solver = make_solver(spec);
   TimedAnswer timed;
   const TimedRequest request{.time_limit_s = time_limit_s, .repeat_until_s = kRepeatUntilS};
   timed_solve(*solver, problem, request, timed);
-  if (timed.times.setup_wall_s + timed.times.solve_wall_s < kShortSolveS) {
-    timed_solve(*solver, problem, request, timed);
-  }
   return timed;
 }
 

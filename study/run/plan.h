@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/spec.h"
+#include "core/timed_solve.h"
 #include "study/run/sweeps.h"
 
 namespace lcpbench {
@@ -36,7 +37,7 @@ struct Plan {
   std::uint64_t seed = 1;
   std::int64_t trials = 100;
   double time_limit_s = 10.0;      ///< on each solve, wall clock
-  double repeat_until_s = 2e-4;    ///< small solves are repeated until they take this long (sweep cells are not)
+  double repeat_until_s = kRepeatUntilS;    ///< small solves are repeated until they take this long (sweep cells are not)
   std::optional<double> budget_s;  ///< wall clock of a run: no problem is begun after it
   std::optional<double> solved_at;  ///< the verdict's bound, instead of that of each problem's kind; in (0, 1]
   std::optional<int> jobs;         ///< nullopt: one per processor
