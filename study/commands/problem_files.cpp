@@ -1,10 +1,15 @@
 #include "study/commands/problem_files.h"
 
 #include <algorithm>
+#include <charconv>
+#include <filesystem>
 #include <map>
+#include <utility>
 
+#include "core/error.h"
 #include "core/io/problem_io.h"
-#include "core/io/scenes_file.h"
+#include "generators/scenes/scenes.h"
+#include "generators/sets.h"
 #include "study/commands/commands.h"
 
 namespace lcpbench {
@@ -17,14 +22,45 @@ auto read_visibly(const std::string& name, auto&& read) {
   return interruptibly(read);
 }
 
-/// The file of the step "F.scenes#120", which is opened once; none of any other name.
-const ScenesFile* scenes_of(const std::string& step) {
-  static std::map<std::string, ScenesFile> opened;
-  const auto place = scenes_step(step);
-  return place ? &opened.try_emplace(place->first, place->first).first->second : nullptr;
+/// "SET#12" as a set and a number; nullopt for what names a file, or no set.
+std::optional<std::pair<std::string, std::int64_t>> trial_of_set(const std::string& name) {
+  const std::size_t mark = name.rfind('#');
+  if (mark == std::string::npos || std::filesystem::exists(name)) return std::nullopt;
+  std::int64_t trial = 0;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data() + mark + 1, end, trial);
+  if (error != std::errc() || stop != end || trial < 0) return std::nullopt;
+  const std::string set = name.substr(0, mark);
+  try {
+    expand_sets(set.substr(0, set.find('{')));
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+  return std::pair(set, trial);
 }
 
 }  // namespace
+
+std::optional<NamedStep> named_step(const std::string& name) {
+  if (const auto of_set = trial_of_set(name)) {
+    const auto collected = std::ranges::find(collected_scenes(), of_set->first, &CollectedScene::name);
+    if (collected == collected_scenes().end()) return std::nullopt;
+    return NamedStep{open_collected(*collected), of_set->second};
+  }
+  static std::map<std::string, std::shared_ptr<const ScenesFile>> opened;
+  const auto place = scenes_step(name);
+  if (!place) return std::nullopt;
+  std::shared_ptr<const ScenesFile>& scenes = opened[place->first];
+  if (scenes == nullptr) scenes = std::make_shared<ScenesFile>(place->first);
+  return NamedStep{scenes, place->second};
+}
+
+Problem read_named_problem(const std::string& name) {
+  constexpr std::uint64_t kSeed = 1;
+  if (const auto step = named_step(name)) return step->read().problem;
+  if (const auto of_set = trial_of_set(name)) return open_set(of_set->first)->generate(kSeed, of_set->second);
+  return read_problem(name);
+}
 
 int examine_problem_files(const std::vector<std::string>& files, bool json, const Examine& examine) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
@@ -53,7 +89,7 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
     if (*stop != 0) break;
     guarded([&] {
       if (is_scenes_file(file)) return examine_steps(file);
-      examine(read_visibly(file, [&] { return read_problem(file); }), file, rows);
+      examine(read_visibly(file, [&] { return read_named_problem(file); }), file, rows);
     });
   }
   if (json) print_json(rows);
@@ -62,9 +98,8 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
 }
 
 std::vector<std::string> contact_names(const std::string& file) {
-  const ScenesFile* scenes = scenes_of(file);
-  if (scenes == nullptr) return {};
-  return scenes->read(scenes->index_of(scenes_step(file)->second)).contact_ids;
+  const auto step = named_step(file);
+  return step ? step->read().contact_ids : std::vector<std::string>();
 }
 
 Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file) {
@@ -72,8 +107,8 @@ Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file
   const auto names_model = [](const auto& option) { return option.first == "model"; };
   if (spec.name != "engine" || contact == nullptr || contact->compliance_t.size() == 0) return spec;
   if (std::ranges::any_of(spec.options, names_model)) return spec;
-  const ScenesFile* scenes = scenes_of(file);
-  if (scenes == nullptr || scenes->header().engine != "MuJoCo") return spec;
+  const auto step = named_step(file);
+  if (!step || step->scenes->header().engine != "MuJoCo") return spec;
   spec.options.emplace_back("model", to_string(FrictionModel::kConvex));
   return spec;
 }

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/io/scenes_file.h"
 #include "core/problem.h"
 #include "core/spec.h"
 #include "study/evaluation/evaluation.h"
@@ -19,10 +23,25 @@ auto interruptibly(Act act) {
   return act();
 }
 
+/// A captured step and the file that it is of, which may be part of the program.
+struct NamedStep {
+  std::shared_ptr<const ScenesFile> scenes;
+  std::int64_t number = 0;
+
+  SceneStep read() const { return scenes->read(scenes->index_of(number)); }
+};
+
+/// The step "F.scenes#120" or "scene/stack/ode#120", whose file is opened once; nullopt for any other name.
+/// @throws InputError where the file cannot be read
+std::optional<NamedStep> named_step(const std::string& name);
+
+/// The problem of a file, of a step, or of a set: "SET#TRIAL", of seed 1. @throws InputError
+Problem read_named_problem(const std::string& name);
+
 /// Looks at a problem of `file`: prints what people read, or adds rows for programs.
 using Examine = std::function<void(const Problem& problem, const std::string& file, Json& rows)>;
 
-/// Reads each file and examines its problem; of a scenes file every step, as "F.scenes#120". What is wrong with one
+/// Reads each file, or other name of a problem, and examines it; of a scenes file every step, as "F.scenes#120". What is wrong with one
 /// (InputError, of `examine` too) is told in a line on stderr and does not stop the others. An interrupt ends the walk
 /// before the next problem. The rows are printed at the end, if `json`.
 /// @returns the exit code
@@ -30,10 +49,10 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
 
 /// The solver `engine` by the friction that the engine solves, unless its settings say which: MuJoCo's soft contacts with
 /// friction are those of the convex model.
-/// @param file  where the problem is from: of a step "F.scenes#120"
+/// @param file  where the problem is from: the name of a step
 Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file);
 
-/// The names of the contacts of a step "F.scenes#120"; none of any other file, and where the step has none.
+/// The names of the contacts of a step; none of any other file, and where the step has none.
 std::vector<std::string> contact_names(const std::string& file);
 
 /// Every metric by its name, and the worst row.

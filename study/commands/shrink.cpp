@@ -177,7 +177,7 @@ int run_shrink(const ShrinkArguments& arguments) {
   check_out(arguments.out, arguments.file);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   WholeFile out(arguments.out);
-  const Problem problem = interruptibly([&] { return read_problem(arguments.file); });
+  const Problem problem = interruptibly([&] { return read_named_problem(arguments.file); });
   const double began_s = wall_clock_s();
   const FailureOptions failure = failure_options(arguments);
   FailureTest test(failure);

@@ -553,7 +553,7 @@ int solve(const SolveArguments& arguments) {
       total.add(each.solver.text(), each.label, file, each.timed.answer.claim, each.verdict, errors.measure(),
                 each.time_s());
       const bool own = each.solver.name == "engine" && each.verdict == Verdict::kWrong && !problem.contact()->is_soft();
-      if (own && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
+      if (own && !soft_engine) soft_engine = soft_engine_words(report::engine_of(file.starts_with("scene/") ? file : "file:" + file));
     }
     const ModelErrors errors =
         attempts.empty() ? ModelErrors() : model_errors(problem, attempts.front(), arguments.time_limit_s);
@@ -587,7 +587,8 @@ int solve(const SolveArguments& arguments) {
 
 Action add_solve_command(CLI::App& command) {
   const auto arguments = std::make_shared<SolveArguments>();
-  command.add_option("FILE", arguments->files, "problem files")->required();
+  command.add_option("FILE", arguments->files, "problem files, steps F.scenes#K, or problems of sets SET#K (seed 1)")
+      ->required();
   add_repeatable(command, "--solver", arguments->solvers,
                  "name{key=value,...}; may be repeated (default: all that fit)");
   command

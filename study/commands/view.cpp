@@ -40,18 +40,17 @@ struct Shown {
 
 Shown read_shown(const std::string& file) {
   Shown shown;
-  if (const auto named = scenes_step(file)) {
-    const ScenesFile scenes(named->first);
-    if (!scenes.truncation().empty()) say(stderr, "lcpbench: {}\n", printable(scenes.truncation()));
-    shown.header = scenes.header();
-    shown.step = scenes.read(scenes.index_of(named->second));
+  if (const auto named = named_step(file)) {
+    if (!named->scenes->truncation().empty()) say(stderr, "lcpbench: {}\n", printable(named->scenes->truncation()));
+    shown.header = named->scenes->header();
+    shown.step = named->read();
   } else if (is_scenes_file(file)) {
     const ScenesFile scenes(file);
     throw InputError(scenes.count() == 0 ? fmt::format("{}: has no steps", file)
                                          : fmt::format("{}: holds {} steps; name one, as '{}#{}'", file,
                                                        scenes.count(), file, scenes.step_number(0)));
   } else {
-    shown.step.problem = read_problem(file);
+    shown.step.problem = read_named_problem(file);
   }
   if (shown.step.problem.contact() == nullptr) {
     throw InputError(fmt::format("{}: is a bare LCP, which has no bodies and no contacts", file));
@@ -72,9 +71,9 @@ std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<S
                                      const std::string& engine, double time_limit_s,
                                      const volatile std::sig_atomic_t* stop) {
   BoundedCertifier certifier;
+  Judge judge(problem, certifier);
   const TimedRequest request{.time_limit_s = time_limit_s,
                              .repeat_until_s = are_timed_once(solvers) ? 0 : kRepeatUntilS};
-  Judge judge(problem, certifier);
   std::vector<ViewedAnswer> answers;
   for (const Spec& spec : solvers) {
     if (*stop != 0) break;
@@ -154,7 +153,7 @@ int view(const ViewArguments& arguments) {
 
 Action add_view_command(CLI::App& command) {
   const auto arguments = std::make_shared<ViewArguments>();
-  command.add_option("FILE", arguments->file, "a step F.scenes#K, a problem file, or the folder of `lcpbench replay`")
+  command.add_option("FILE", arguments->file, "a step F.scenes#K or problem SET#K, a problem file, or the folder of `lcpbench replay`")
       ->required();
   add_repeatable(command, "--solver", arguments->solvers,
                  "name{key=value,...}; may be repeated (default: auto, beside the engine's own answer, else psor{max_iterations=20})");

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "generators/scenes/scenes.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
 #include "study/report/text.h"
@@ -95,7 +96,15 @@ std::string ReplayCommands::command(const Cell& cell, const FailedProblem& faile
   const std::string with_solver = " --solver " + shell_word(solver.text()) + option("--solved-at", "solved_at") +
                                   (failed.claim == Claim::kTimeLimit ? option("--time-limit", "time_limit_s") : "");
   if (!set.starts_with(kFilePrefix) || !is_scenes_file(set)) {
+    const auto captured = std::ranges::find(collected_scenes(), set, &CollectedScene::name);
+    if (captured != collected_scenes().end()) {
+      const std::int64_t step = open_collected(*captured)->step_number(static_cast<std::size_t>(problem.trial));
+      return "lcpbench solve " + shell_word(fmt::format("{}#{}", set, step)) + with_solver;
+    }
     if (solver.name == "engine") return "";
+    if (problem.seed == 1 && !set.starts_with(kFilePrefix)) {
+      return "lcpbench solve " + shell_word(fmt::format("{}#{}", set, problem.trial)) + with_solver;
+    }
     return fmt::format("lcpbench generate {} --seed {} --first {} --count 1 --out . && lcpbench solve {:06}.json{}",
                        shell_word(set), problem.seed, problem.trial, problem.trial, with_solver);
   }

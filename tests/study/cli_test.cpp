@@ -256,6 +256,18 @@ TEST_F(CommandLineTest, OneBadFileDoesNotStopTheOthers) {
   }
 }
 
+/// As reports name them: of captured sets by the step, with its bodies.
+TEST_F(CommandLineTest, ProblemsOfSetsHaveNames) {
+  done("generate paper/copositive/exp1 --seed 1 --first 7 --count 1 --out g");
+  EXPECT_EQ(run_json("solve 'paper/copositive/exp1#7' --solver lemke")[0]["z"],
+            run_json("solve g/000007.json --solver lemke")[0]["z"]);
+  const json page = run_json("view 'scene/mass-ratio-1e4/bullet#60' --solver auto");
+  EXPECT_EQ(page["scenes"][0]["title"], "mass-ratio-1e4, step 60 of Bullet");
+  EXPECT_EQ(page["scenes"][0]["shapes"].size(), 5U);
+  EXPECT_TRUE(contains(run("solve 'scene/mass-ratio-1e4/bullet#61'").err, "has no step 61; the one before is 60"));
+  EXPECT_TRUE(contains(run("solve 'paper/none#7'").err, "paper/none#7: no such file"));
+}
+
 // A pile of four cubes that may rest: contact_lemke's path ends in another solution.
 TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
   done("generate scene/mass-ratio-1e6/bullet --seed 1 --first 3 --count 1 --out m");
