@@ -150,14 +150,13 @@ double proven_violation_m_per_s(const Problem& problem, const Judge& judge, cons
   return largest;
 }
 
-/// Whether a false answer solves, or comes much nearer to, the same contacts with a box of friction: each tangent limited
-/// by itself, as usual engines do it. A box is the pyramid of 4 edges turned by 45 degrees, with sqrt(2) mu.
+/// Whether a false answer solves the same contacts with a box of friction: each tangent limited by itself, as usual
+/// engines do it. A box is the pyramid of 4 edges turned by 45 degrees, with sqrt(2) mu.
 std::string box_words(const Problem& problem, const Attempt& attempt) {
-  constexpr double kMuchNearer = 0.1;
   const ContactProblem* const contact = problem.contact();
   const Errors& errors = attempt.judgement.errors;
   const bool fits = attempt.verdict == Verdict::kWrong && attempt.model == FrictionModel::kPyramid && errors.usable &&
-                    !errors.solved && contact != nullptr && cols(contact->D) > 0 && why_no_round_cone(*contact).empty() &&
+                    errors.measure() > errors.limit && contact != nullptr && cols(contact->D) > 0 && why_no_round_cone(*contact).empty() &&
                     std::ranges::all_of(contact->edges, [](int edges) { return edges == 0 || edges == 4; });
   if (!fits) return "";
   const auto angles = [&](double angle) { return std::vector(contact->edges.size(), angle); };
@@ -168,7 +167,7 @@ std::string box_words(const Problem& problem, const Attempt& attempt) {
   answer.z = pyramid_impulses(box, {given.normal, (given.first + given.second) / std::numbers::sqrt2,
                                     (given.second - given.first) / std::numbers::sqrt2});
   const double residual = Evaluator({problem.name(), box}).errors(answer).measure();
-  if (!(residual <= std::max(errors.limit, kMuchNearer * errors.measure()))) return "";
+  if (!(residual <= errors.limit)) return "";
   return fmt::format(
       " With a box of friction, |t1| <= mu f_N and |t2| <= mu f_N, its residual is {:.3g}: the problem has the pyramid "
       "|t1| + |t2| <= mu f_N. Write tangents turned by 45 degrees and sqrt(2) mu to compare it by its own friction.",
@@ -236,7 +235,8 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     if (each.verdict == Verdict::kSolved) continue;
     if (!names) names = contact_names(file);  // which reads the step again
     each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by,
-                                        each.truth, each.model, *names});
+                                        each.truth, each.model, *names,
+                                        each.note.empty() ? &answer.z : nullptr});
     each.why += box_words(problem, each);
     const bool engine_is_wrong = each.solver.name == "engine" && each.verdict == Verdict::kWrong;
     if (engine_is_wrong) each.why += parting_words(*problem.contact());
@@ -284,10 +284,14 @@ void print_impulses(const Problem& problem, const Attempt& best) {
   const ContactProblem* const contact = problem.contact();
   if (best.verdict != Verdict::kSolved || contact == nullptr || best.velocity.size() != contact->ngc()) return;
   if (!may_have_other_impulses(*contact, best.velocity)) return;
+  constexpr const char* kAsksForEven = "auto{impulses=even}";
   const bool even = best.timed.answer.impulses == Impulses::kEven;
-  say_folded("other impulses may give the same motion; {} shows {}\n", best.label,
-             even ? "those that equally stiff contacts would carry"
-                  : "those that it reached, auto{impulses=even} those that equally stiff contacts would carry");
+  const bool in_vain = !even && best.label == kAsksForEven;
+  say_folded("other impulses may give the same motion; {} {}\n", best.label,
+             even      ? "shows those that equally stiff contacts would carry"
+             : in_vain ? "did not find those that equally stiff contacts would carry, and shows any"
+                       : "shows those that it reached, auto{impulses=even} looks for those that equally stiff contacts "
+                         "would carry");
 }
 
 /// The verified answer itself.
@@ -316,7 +320,8 @@ void print_coarse_model(const Problem& problem, const std::string& file, const A
 /// How a verified answer differs from hard contacts with Coulomb friction, in two parts.
 struct ModelErrors {
   std::optional<FastestContact> relaxation;  ///< convex model against Coulomb friction, the contacts as given
-  std::optional<FastestContact> softness;    ///< these with Coulomb friction, against hard contacts
+  std::optional<FastestContact> softness;    ///< these with Coulomb friction, against hard contacts at rest
+  std::string without;                       ///< what of softness and moving surfaces the contacts have, in words
 };
 
 /// Both parts are missing for all but verified answers to contact problems; each is missing where it does not apply, or
@@ -340,6 +345,10 @@ ModelErrors model_errors(const Problem& problem, const Attempt& best, double tim
     if (coulomb) errors.relaxation = fastest_contact(*given, best.velocity - *coulomb);
   }
   if (!coulomb || !given->is_soft()) return errors;
+  const bool compliant = given->compliance_n.size() > 0 || given->compliance_t.size() > 0;
+  errors.without = !compliant ? "moving surfaces: without tangential offsets"
+                   : given->offset_t.size() == 0 ? "softness: without compliance"
+                                                 : "softness: without compliance and tangential offsets";
   ContactProblem hard = *given;
   hard.compliance_n = hard.compliance_t = hard.offset_t = Vector();
   if (const auto of_hard = velocity(hard)) errors.softness = fastest_contact(*given, *coulomb - *of_hard);
@@ -357,7 +366,7 @@ void print_difference(const char* condition, const FastestContact& difference) {
 
 void print_model_errors(const ModelErrors& errors) {
   if (errors.relaxation) print_difference("relaxation: with Coulomb's friction", *errors.relaxation);
-  if (errors.softness) print_difference("softness: without compliance and tangential offsets", *errors.softness);
+  if (errors.softness) print_difference(errors.without.c_str(), *errors.softness);
 }
 
 /// The verified answer by the first one's model of friction that moves most differently from it, if by more than
@@ -412,7 +421,9 @@ void print_reasons(const std::vector<Attempt>& attempts, bool named) {
       ++left_out;
     }
   }
-  if (left_out > 0) say_folded("{} refused or failed: --solver NAME says why\n", counted_noun(left_out, "more solver"));
+  if (left_out == 0) return;
+  say_folded("{}{} refused or failed: --solver NAME says why\n", reasons.empty() ? "" : "also, ",
+             counted_noun(left_out, "solver"));
 }
 
 void print_nearly(const std::vector<Attempt>& attempts) {

@@ -39,6 +39,7 @@ struct WorstCoordinate {
   Index coordinate = -1;  ///< -1: no velocity came back, or it is of another length or not finite
   double returned = 0;
   double implied = 0;
+  double scale = 0;  ///< what their difference is relative to
 };
 
 /// The error measures of one answer, all from the raw data in 113-bit arithmetic, by code that knows no solver.

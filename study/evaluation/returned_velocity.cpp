@@ -158,7 +158,7 @@ bool ReturnedVelocity::measure(const Vector& returned, Errors& errors) {
       Quad error = apart / scale;
       if (!is_finite(error)) error = std::numeric_limits<double>::infinity();  // NaN, too
       if (error > largest) {
-        errors.worst_coordinate = {static_cast<Index>(i), given, to_double(v_plus_[i])};
+        errors.worst_coordinate = {static_cast<Index>(i), given, to_double(v_plus_[i]), to_double(apart / error)};
       }
       largest = larger(largest, error);
     }

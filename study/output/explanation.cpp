@@ -22,10 +22,26 @@ std::string speed(double m_per_s) {
   return magnitude < 0.1 ? fmt::format("{:.3g} mm/s", 1000 * magnitude) : fmt::format("{:.3g} m/s", magnitude);
 }
 
-std::string normal_words(double f_N, double w_N, bool negative_z, bool negative_w) {
-  if (negative_w) return "still approaches at " + speed(w_N);
-  if (negative_z) return fmt::format("has a negative normal impulse of {:.3g} N s", f_N);
-  return fmt::format("separates at {} and has a normal impulse of {:.3g} N s", speed(w_N), f_N);
+/// How a contact moves along its normal, and by which units.
+struct NormalRow {
+  double f_N = 0;
+  double w_N = 0;
+  double offset = 0;
+  bool of_joint = false;  ///< its normal is a coordinate of a joint, which may be an angle
+};
+
+std::string normal_words(const NormalRow& row, bool negative_z, bool negative_w) {
+  const char* const impulse = row.of_joint ? "N s or N m s" : "N s";
+  if (negative_z && !negative_w) return fmt::format("has a negative normal impulse of {:.3g} {}", row.f_N, impulse);
+  std::string motion = fmt::format("{} at {}", negative_w ? "still approaches" : "separates", speed(row.w_N));
+  if (row.offset != 0) motion = fmt::format("has w_N = N'v+ + b = {:.3g} m/s", row.w_N);
+  if (row.of_joint) motion.replace(motion.find("m/s"), 3, "m/s or rad/s");
+  return negative_w ? motion : fmt::format("{} and has a normal impulse of {:.3g} {}", motion, row.f_N, impulse);
+}
+
+/// Of a contact that slides, with that much friction left.
+std::string unused_words(const WorstRow& at, double slack) {
+  return fmt::format("slides at {} although its friction is not used up: {:.3g} N s are left", speed(at.slip), slack);
 }
 
 /// Of a contact whose friction violates the conditions of the round cone. @param slack  mu f_N - |f_t|
@@ -39,13 +55,13 @@ std::string slip_words(const WorstRow& at, double slack) {
     return fmt::format("slides at {}, and its friction of {:.3g} N s points {:.3g} degrees away from opposing that",
                        speed(at.slip), at.friction, degrees);
   }
-  return fmt::format("slides at {} although friction could hold it: {:.3g} N s are left", speed(at.slip), slack);
+  return unused_words(at, slack);
 }
 
 /// The same of the convex model, which asks for w_N >= mu |w_t|, and f'w = 0.
 std::string convex_words(const WorstRow& at, double slack, double mu) {
   const double above = at.separation - mu * at.slip;
-  if (at.normal < 0) return normal_words(at.normal, 0, true, false);
+  if (at.normal < 0) return normal_words({.f_N = at.normal}, true, false);
   if (above < 0 && slack >= -kSolvedVelocityResidual * at.friction) {
     return fmt::format("slides at {} and {} at {}; the convex model asks it to separate at {}", speed(at.slip),
                        at.separation < 0 ? "approaches" : "separates", speed(at.separation), speed(mu * at.slip));
@@ -67,7 +83,11 @@ std::string contact_state(const ContactProblem& of, const JudgedAnswer& answer, 
     return names.empty() ? number : fmt::format("{} ({})", number, names[static_cast<std::size_t>(contact)]);
   };
   const ContactLayout layout = contact_layout(of);
-  if (at.row < of.nc()) return words(at.row) + " " + normal_words(at.z, at.w, negative_z, negative_w);
+  if (at.row < of.nc()) {
+    const std::string name = words(at.row);
+    const NormalRow row{at.z, at.w, of.offset(at.row), name.find("(limit of ") != std::string::npos};
+    return name + " " + normal_words(row, negative_z, negative_w);
+  }
   if (at.row >= layout.lambda_offset()) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(at.row - layout.lambda_offset())];
     const std::string subject = words(contact) + " ";
@@ -78,8 +98,7 @@ std::string contact_state(const ContactProblem& of, const JudgedAnswer& answer, 
     if (!(at.slip >= 0.5 * at.z)) {
       return subject + fmt::format("has a sliding speed of {} in z, and slides at {}", speed(at.z), speed(at.slip));
     }
-    return subject + fmt::format("slides at {} although friction could hold it: {:.3g} N s are left", speed(at.slip),
-                                 at.w);
+    return subject + unused_words(at, at.w);
   }
   const Index direction = at.row - layout.friction_offset();
   const auto next = std::upper_bound(layout.friction_begin.begin(), layout.friction_begin.end(), direction);
@@ -154,12 +173,25 @@ std::string worst_row_words(const Problem& problem, const JudgedAnswer& answer) 
         "error {:.3g}, relative to its scale of {:.3g}; the limit is {}",
         worst.row, worst.z, worst.w, bounds, errors.backward_row_norm, worst.scale, short_number(errors.limit));
   }
+  const std::string w = worst.w == 0 ? "w above zero, but below the least double" : fmt::format("w = {:.3g}", worst.w);
   const std::string state = negative_w   ? fmt::format("has w = {:.3g}, below zero", worst.w)
                             : negative_z ? fmt::format("has z = {:.3g}, below zero", worst.z)
-                                         : fmt::format("has z = {:.3g} and w = {:.3g}, but one of them must be zero",
-                                                       worst.z, worst.w);
+                                         : fmt::format("has z = {:.3g} and {}, but one of them must be zero", worst.z, w);
   return fmt::format("row {} {}: backward error {:.3g}, relative to its scale of {:.3g}; the limit is {}", worst.row,
                      state, errors.backward_row_norm, worst.scale, short_number(errors.limit));
+}
+
+/// Where rounding the answer's own impulses to doubles moves the worst row by more than the limit allows: that no
+/// doubles may hold a solution. "" elsewhere, and above kLargestFormed unknowns.
+std::string rounding_words(const Problem& problem, const JudgedAnswer& answer) {
+  constexpr Index kLargestFormed = 600;
+  const WorstRow& worst = answer.errors.worst;
+  if (answer.z == nullptr || worst.row < 0 || problem.size() > kLargestFormed) return "";
+  const Vector& z = *answer.z;
+  const Vector moved = problem.lcp().M.row(worst.row).cwiseAbs().transpose().cwiseProduct(z.cwiseAbs()) * 0x1p-53;
+  if (!(moved.sum() > answer.errors.limit * worst.scale)) return "";
+  return fmt::format("; entries of z up to {:.3g} cancel in it, and rounding them to doubles alone may move it by {:.3g}",
+                     z.cwiseAbs().maxCoeff(), moved.sum());
 }
 
 /// How far the velocity that came with the answer is from the one that its z implies.
@@ -167,9 +199,9 @@ std::string velocity_words(const Errors& errors) {
   const WorstCoordinate& worst = errors.worst_coordinate;
   if (worst.coordinate < 0) return "its velocity is of another length than the problem's, or not finite";
   return fmt::format(
-      "its velocity is not the one that its z gives: coordinate {} is {:.6g}, and z gives {:.6g}; error {:.3g} "
-      "relative to |v| + |G*||J||f| or its floor; the limit is {}",
-      worst.coordinate, worst.returned, worst.implied, errors.returned_velocity_error,
+      "its velocity is not the one that its z gives: coordinate {} is {:.6g}, and z gives {:.6g}; error {:.3g}, "
+      "relative to its scale of {:.3g}, |v| + |G*||J||f| or its floor; the limit is {}",
+      worst.coordinate, worst.returned, worst.implied, errors.returned_velocity_error, worst.scale,
       short_number(kSolvedReturnedVelocity));
 }
 
@@ -197,18 +229,20 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {
     if (known) return "said unsolvable, but the problem has a solution" + because(answer);
-    const bool nearly = answer.truth == Truth::kAnswered;
+    const bool answered = answer.truth == Truth::kAnswered;
     return fmt::format("said unsolvable, but without a valid proof; {}it is not known whether there is {} solution",
-                       nearly ? "the problem is nearly solvable" + because(answer) + ", and " : "",
-                       nearly ? "an exact" : "a");
+                       answered ? "the problem has an answer within the tolerance" + because(answer) + ", and " : "",
+                       answered ? "an exact" : "a");
   }
   const char* const has_none = "is not known to have a solution";
-  const std::string has = answer.truth == Truth::kSolvable ? "has a solution" : "is nearly solvable";
+  const std::string has = answer.truth == Truth::kSolvable ? "has a solution"
+                          : answer.truth == Truth::kNearly ? "is nearly solvable"
+                                                           : "has an answer within the tolerance";
   std::string words = fmt::format("{}; the problem {}", ended_with(answer), known ? has + because(answer) : has_none);
   if (answer.unusable.empty() && only_velocity_fails(answer.errors)) {
     words += "; " + velocity_words(answer.errors);
   } else if (answer.unusable.empty() && answer.errors.worst.row >= 0) {
-    words += "; the worst row of its z: " + worst_row_words(problem, answer);
+    words += "; the worst row of its z: " + worst_row_words(problem, answer) + rounding_words(problem, answer);
   }
   return words;
 }
@@ -272,7 +306,9 @@ std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
         return "said solved, but " + velocity_words(answer.errors) + ".";
       }
       return "said solved, but " +
-             (answer.unusable.empty() ? worst_row_words(problem, answer) : answer.unusable) + ".";
+             (answer.unusable.empty() ? worst_row_words(problem, answer) + rounding_words(problem, answer)
+                                      : answer.unusable) +
+             ".";
     case Verdict::kUnsolvable:
       return fmt::format("{} the problem is proven to have no{} solution{}.",
                          answer.claim == Claim::kUnsolvable

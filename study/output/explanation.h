@@ -36,6 +36,7 @@ struct JudgedAnswer {
   Truth truth = Truth::kUnknown;
   FrictionModel model = FrictionModel::kPyramid;  ///< that the errors are measured by
   std::vector<std::string> contact_names;         ///< one for each contact, or none
+  const Vector* z = nullptr;                      ///< the answer itself; nullptr: nothing is said of its rounding
 };
 
 /// Why the verdict is not "solved", as a sentence without its subject: "said solved, but contact 1 still approaches at

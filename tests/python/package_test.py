@@ -149,11 +149,11 @@ class Judge(unittest.TestCase):
         for model, friction, words in (
                 ("cone", [0.5, 0], "slides at 2.5 m/s, and its friction of 0.5 N s points 180 degrees away"),
                 ("cone", [0, 0.5], "slides at 2.06 m/s, and its friction of 0.5 N s points 104 degrees away"),
-                ("cone", [-0.1, 0], "slides at 1.9 m/s although friction could hold it: 0.4 N s are left"),
+                ("cone", [-0.1, 0], "slides at 1.9 m/s although its friction is not used up: 0.4 N s are left"),
                 ("cone", [-0.8, 0], "has more friction than its cone allows, by 0.3 N s"),
                 ("convex", [-0.5, 0], "slides at 1.5 m/s and separates at 0 mm/s; the convex model asks it to separate "
                                       "at 0.75 m/s"),
-                ("pyramid", [-0.1, 0], "slides at 1.9 m/s although friction could hold it: 0.4 N s are left")):
+                ("pyramid", [-0.1, 0], "slides at 1.9 m/s although its friction is not used up: 0.4 N s are left")):
             found = check(problem, [[1.0, *friction]], model=model)
             self.assertEqual(found.verdict, "wrong")
             self.assertIn("contact 0 " + words, found.worst)

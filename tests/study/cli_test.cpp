@@ -281,6 +281,8 @@ TEST_F(CommandLineTest, SolveSaysWhichImpulsesItShows) {
   done("generate scene/stack/ode --seed 1 --count 1 --out s");
   EXPECT_TRUE(contains(done("solve s/000000.json --solver auto"),
                        "other impulses may give the same motion; auto shows those that it reached"));
+  const std::string vain = done("solve 'scene/mass-ratio-1e4/bullet#60' --solver 'auto{impulses=even}'");
+  EXPECT_TRUE(contains(vain, "auto{impulses=even} did not find those that equally stiff contacts")) << vain;
   for (const json& row : run_json("solve s/000000.json --solver 'auto{impulses=even}' --solver psor")) {
     EXPECT_EQ(row["impulses"], row["solver"] == "auto" ? "even" : "");
   }
@@ -347,6 +349,8 @@ TEST_F(CommandLineTest, SolveSaysWhichAnswersFitABoxOfFriction) {
   EXPECT_TRUE(contains(box, "With a box of friction") && contains(box, "turned by 45 degrees and sqrt(2) mu")) << box;
   EXPECT_FALSE(contains(reason("[1, 0,0,0.6,0.5]"), "box"));
   EXPECT_EQ(reason("[1, 0,0,0.25,0.25]"), "");
+  const std::string velocity = reason(R"([1, 0,0,0.25,0.25],"velocity":[9,9,9])");
+  EXPECT_TRUE(contains(velocity, "its velocity is not the one that its z gives") && !contains(velocity, "box")) << velocity;
   EXPECT_TRUE(contains(done("view box.scenes#3 --solver engine"), "  E 1: claim solved, verdict solved"));
   EXPECT_TRUE(contains(run("solve box.scenes --solver tinyphys").err, "by any name, is 'engine'"));
 }
