@@ -98,8 +98,10 @@ std::string ReplayCommands::command(const Cell& cell, const FailedProblem& faile
   if (!set.starts_with(kFilePrefix) || !is_scenes_file(set)) {
     const auto captured = std::ranges::find(collected_scenes(), set, &CollectedScene::name);
     if (captured != collected_scenes().end()) {
-      const std::int64_t step = open_collected(*captured)->step_number(static_cast<std::size_t>(problem.trial));
-      return "lcpbench solve " + shell_word(fmt::format("{}#{}", set, step)) + with_solver;
+      const std::shared_ptr<const ScenesFile> steps = open_collected(*captured);
+      const auto index = static_cast<std::size_t>(problem.trial);
+      if (index >= steps->count()) return "";  // of another version of the program
+      return "lcpbench solve " + shell_word(fmt::format("{}#{}", set, steps->step_number(index))) + with_solver;
     }
     if (solver.name == "engine") return "";
     if (problem.seed == 1 && !set.starts_with(kFilePrefix)) {

@@ -42,9 +42,9 @@ class ReplayCommands {
  public:
   explicit ReplayCommands(const Summary& summary) : summary_(summary) {}
 
-  /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it; `lcpbench run` where the solver
-  /// started from its last answer. "" where a file of captured steps is gone, unless it started from its last answer;
-  /// and for the engine's own answers to steps that stand in no file of the user's.
+  /// "lcpbench solve 'F.scenes#120' --solver S", or 'SET#TRIAL', or with `lcpbench generate` before it where the seed is
+  /// not 1; `lcpbench run` where the solver started from its last answer. "" where a file of captured steps is gone,
+  /// unless it started from its last answer.
   /// `solve` repeats an answer that reached its time limit with the limit of the last run.
   std::string command(const Cell& cell, const FailedProblem& failed);
 

@@ -289,7 +289,7 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
   write_report(made_.store(), folder_ / "out");
   const std::string results = read_file(folder_ / "out/tables/results.csv");
   EXPECT_NE(results.find(",other_model,cone,3e-09,3e-09,,\n"), std::string::npos) << results;
-  EXPECT_NE(results.find(",pyramid,2e-13,0.25,30,lcpbench generate "), std::string::npos) << results;
+  EXPECT_NE(results.find(",pyramid,2e-13,0.25,30,lcpbench solve "), std::string::npos) << results;
 }
 
 /// The answers of an engine come from a file: they have no time, so that they are neither the fastest nor the best.

@@ -176,7 +176,7 @@ TEST_F(ReportTest, TheWorstProblemsStandWithTheirCommands) {
     ++of_the_liar;
     EXPECT_EQ(worst["verdict"], "wrong");
     EXPECT_EQ(worst["error"], 0.3);
-    EXPECT_NE(worst["command"].get<std::string>().find("lcpbench generate paper/"), std::string::npos);
+    EXPECT_NE(worst["command"].get<std::string>().find("lcpbench solve 'paper/"), std::string::npos);
   }
   EXPECT_EQ(of_the_liar, 3 * 3);  // on each of three sets
 }
