@@ -53,7 +53,7 @@ TEST(SiconosTextTest, TheMatrixIsColumnMajor) {
 
 TEST(SiconosTextTest, ARelayProblemIsNoLcp) {
   const std::string lcp = "2\n0\n2\n2\n2 2\n1 2\n0 1\n-1 -2.5\n";
-  EXPECT_EQ(siconos_error(lcp + "-1 -1\n1 1\n").rfind("a.dat:10: q: lower and upper bounds follow it: a relay problem, ", 0),
+  EXPECT_EQ(siconos_error(lcp + "-1 -1\n1 1\n").rfind("a.dat: q: lower and upper bounds follow it: a relay problem, ", 0),
             0U)
       << siconos_error(lcp + "-1 -1\n1 1\n");
   for (const char* comment : {"", "-1 -1 1\n", "-1 -1 1 1 1\n", "1 1 -1 -1\n", "made in 2 2 2\n"}) {
