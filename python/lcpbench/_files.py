@@ -5,6 +5,9 @@ from __future__ import annotations
 import collections
 import dataclasses
 import os
+import pickle
+import subprocess
+import sys
 from typing import Any, Iterable
 
 import numpy as np
@@ -112,13 +115,34 @@ _VECTORS = ("v", "mu", "b", "edges", "compliance_n", "compliance_t", "offset_t",
 _ONE_FOR_ALL = ("mu", "edges", "compliance_n", "compliance_t", "lower", "upper")
 
 
+_MAT_READER = """import pickle, sys
+from scipy.io import loadmat
+try:
+    arrays = loadmat(sys.argv[1])
+except Exception as error:
+    sys.exit(" ".join(str(error).split()) or type(error).__name__)
+pickle.dump({key: each for key, each in arrays.items() if not key.startswith("__")}, sys.stdout.buffer)
+"""
+
+
+def _load_mat(name: str) -> dict[str, Any]:
+    """In a process of its own, because a damaged file can crash scipy. @raises OSError with scipy's words"""
+    if not os.path.exists(name):
+        raise OSError("there is no such file")
+    done = subprocess.run([sys.executable, "-c", _MAT_READER, os.path.abspath(name)], capture_output=True, check=False,
+                          env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+    if done.returncode < 0:
+        raise OSError("it is damaged so that scipy crashes")
+    if done.returncode > 0:
+        raise OSError((done.stderr.decode(errors="replace").strip().splitlines() or ["scipy does not read it"])[-1])
+    return dict(pickle.loads(done.stdout))
+
+
 def _load_arrays(name: str) -> Problem:
     """The arguments of a Problem from a file of numpy (.npz) or MATLAB (.mat); X and alpha are G_factors."""
-    if name.endswith(".mat"):
-        from scipy.io import loadmat
     try:
         if name.endswith(".mat"):
-            arrays = {key: each for key, each in loadmat(name).items() if not key.startswith("__")}
+            arrays = _load_mat(name)
         else:
             with np.load(name, allow_pickle=False) as file:
                 arrays = dict(file)
@@ -160,6 +184,8 @@ def load(path: Any) -> Any:
     name = _path(path)
     if name.endswith((".npz", ".mat")):
         return _load_arrays(name)
+    if name.endswith((".hdf5", ".h5")):
+        raise InputError(f"{name}: HDF5 is not read here; lcpbench.fclib.load reads files of FCLIB")
     _require_readers("load")
     if (part := _native.scenes_step(name)) is not None:
         return Scenes(part[0]).step(part[1]).problem

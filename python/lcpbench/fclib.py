@@ -30,15 +30,21 @@ _MOST = 1 << 26  # numbers of a dataset
 _ROUNDING = 1e-10  # of the largest entry: by more the triangles of a matrix differ only if it is not symmetric
 
 
+def _h5py() -> Any:
+    try:
+        import h5py
+    except ImportError as error:
+        raise InputError(f"lcpbench.fclib: needs h5py (pip install h5py): {error}") from None
+    return h5py
+
+
 class _File:
     """An opened file. Nothing of another file is read in its name: its author would learn what stands there."""
 
     def __init__(self, name: str) -> None:
-        import h5py
-
-        self._h5py, self.name = h5py, name
+        self._h5py, self.name = _h5py(), name
         try:
-            self._file = h5py.File(name, "r")
+            self._file = self._h5py.File(name, "r")
         except OSError:
             raise InputError(f"{name}: cannot be opened as an HDF5 file") from None
 
@@ -254,10 +260,9 @@ def save(problem: Problem | Step, path: Any, answer: Answer | None = None) -> No
     Raises:
         InputError: a bare LCP, compliance, or friction directions without a round cone; the file cannot be written.
     """
-    import h5py
     from scipy.sparse import block_diag, csc_matrix
 
-    whole, name = _problem(problem), _path(path)
+    h5py, whole, name = _h5py(), _problem(problem), _path(path)
     if why := _why_not(whole):
         raise InputError(f"problem: {why}")
     H, dimension = _directions(whole)
