@@ -78,11 +78,13 @@ def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *
         A `Verdict`. The answer counts as said solved: "wrong" where it is not.
 
     Raises:
-        InputError: the impulses have none of these shapes, the model is unknown, or friction directions have no round
+        InputError: the impulses have none of these shapes, or there are none, the model is unknown, or friction directions have no round
             cone around them: their number is no multiple of 4, or they are no regular polygon.
     """
     problem = _problem(problem)
     if impulses is None:
+        if problem.engine_impulses is None:
+            raise InputError("impulses: is None, and the problem has no impulses of an engine")
         impulses, model = problem.engine_impulses, model or problem._engine_model
     if isinstance(impulses, Answer):
         velocity = impulses._velocity if velocity is None else velocity
@@ -96,8 +98,14 @@ def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *
     return _judge(problem, "solved", z, velocity, None, model, "", bound)
 
 
+def _frozen(values: np.ndarray) -> np.ndarray:
+    """Read-only: the verdict of an answer is that of its numbers."""
+    values.flags.writeable = False
+    return values
+
+
 class Answer:
-    """What a solver answers. Its verdict is computed when it is asked for.
+    """What a solver answers. Its verdict is computed when it is asked for. All arrays are read-only.
 
     Attributes:
         problem: the problem.
@@ -118,6 +126,7 @@ class Answer:
         self._model = model
         (self.claim, self.z, self._velocity, self._farkas, self.iterations, self.pivots, self.factorizations,
          self.detail, self.setup_s, self.solve_s, self.which_impulses) = parts
+        _frozen(self.z)
         self._verdict: Verdict | None = None
 
     def _vector(self) -> np.ndarray:
@@ -138,7 +147,8 @@ class Answer:
     @property
     def velocity(self) -> np.ndarray:
         """(ngc,): the velocity after the step [m/s, rad/s]."""
-        return np.asarray(self.problem._data.velocity(self._vector()) if self._velocity is None else self._velocity)
+        known = self._velocity
+        return _frozen(np.asarray(self.problem._data.velocity(self._vector()) if known is None else known))
 
     @property
     def normal_impulses(self) -> np.ndarray:
@@ -153,7 +163,7 @@ class Answer:
     @property
     def impulses(self) -> np.ndarray:
         """(nc, 3): normal and both tangents [N s], as `check` takes them."""
-        return _impulse_rows(self.problem.edges, self._vector())
+        return _frozen(_impulse_rows(self.problem.edges, self._vector()))
 
     @property
     def check(self) -> Verdict:
