@@ -1,8 +1,9 @@
 #!python
-"""Starts the program `lcpbench` that a wheel has inside: `python -m lcpbench`, and the command `lcpbench` itself."""
+"""Starts the program `lcpbench`: `python -m lcpbench`, and the command `lcpbench` of a wheel, which has it inside."""
 
 import importlib.util
 import os
+import shutil
 import sys
 
 
@@ -11,9 +12,15 @@ def main() -> None:
     folder = importlib.util.find_spec("lcpbench").submodule_search_locations[0]  # which does not import the package
     program = os.path.join(folder, "bin", "lcpbench")
     if not os.path.exists(program):
-        sys.exit("lcpbench: this package was built without the program; wheels have it, and so have builds of the source")
+        program = os.environ.get("LCPBENCH_PROGRAM") or shutil.which("lcpbench") or ""
+    if not program:
+        sys.exit("lcpbench: this package was built without the program: install a wheel, or build the source by ./run-study "
+                 "and name build/release/lcpbench in LCPBENCH_PROGRAM")
     os.environ["PATH"] = os.path.dirname(sys.executable) + os.pathsep + os.environ.get("PATH", os.defpath)
-    os.execv(program, ["lcpbench", *sys.argv[1:]])
+    try:
+        os.execv(program, ["lcpbench", *sys.argv[1:]])
+    except OSError as error:
+        sys.exit(f"lcpbench: {program}: {error.strerror}")
 
 
 if __name__ == "__main__":

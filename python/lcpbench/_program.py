@@ -18,6 +18,7 @@ from ._native import InputError
 from ._problem import _did_you_mean
 
 if TYPE_CHECKING:
+    from ._files import Step
     from ._problem import Problem
     from ._solve import Answer
 
@@ -75,6 +76,48 @@ def available_solvers() -> list[Solver]:
     own = [Solver(*fields) for fields in _native.solvers()]
     program = find_program()
     return own + (_of_program(program) if program is not None else [])
+
+
+@dataclasses.dataclass(frozen=True)
+class Certificate:
+    """What exact arithmetic proves of a problem. True in an `if` where it has a solution."""
+
+    certificate: str  #: "solution", "unsolvable" or "open"
+    proof: str  #: "exact_basis", "lp" or "farkas"; "" where open
+    z: np.ndarray | None  #: (n,): the solution that was certified, rounded
+    velocity: np.ndarray | None  #: (ngc,): its velocity after the step
+    velocity_unique: bool | None  #: whether every solution has this velocity; None: not known
+    farkas: np.ndarray | None  #: the vector of a proof "farkas" or "lp"
+
+    def __bool__(self) -> bool:
+        return self.certificate == "solution"
+
+
+def certify(problem: Problem | Step, *, time_limit: float = 10.0) -> Certificate:
+    """Proves in exact arithmetic whether a problem has a solution, by the program's command `certify`.
+
+    Args:
+        problem: a Problem or a Step.
+        time_limit: [s], after which it is "open".
+
+    Returns:
+        A `Certificate`.
+
+    Raises:
+        InputError: there is no program, which wheels have inside, and builds of the source; or it refuses the problem.
+    """
+    from ._solve import _limit, _problem
+
+    if find_program() is None:
+        raise InputError("certify: needs the program lcpbench, in PATH or named by LCPBENCH_PROGRAM; wheels have it inside")
+    limit = min(_limit(time_limit), 1e7)
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "problem.json")
+        _native.write_problem(_problem(problem)._data, file)
+        row = _run(["certify", file, "--time-limit", str(limit)])[0]
+    z, velocity, farkas = (None if row[key] is None else np.array(row[key], dtype=float)
+                           for key in ("z", "velocity", "farkas"))
+    return Certificate(row["certificate"], row["proof"] or "", z, velocity, row["velocity_unique"], farkas)
 
 
 def solve_by_program(problems: list[Problem], solver: str, time_limit: float) -> list[Answer]:
