@@ -156,12 +156,18 @@ def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
     return numbered(map(name, rows))
 
 
+_warned: set[tuple[str, str, int]] = set()  # Python's own memory is lost when anybody changes the filters
+
+
 def _warn(text: str) -> None:
-    """At the line of the caller's that called this package."""
+    """At the line of the caller's that called this package, once for each line."""
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
         level, frame = level + 1, frame.f_back
-    warnings.warn(text, stacklevel=level)
+    said = text, frame.f_code.co_filename, frame.f_lineno
+    if said not in _warned:
+        warnings.warn(text, stacklevel=level)
+        _warned.add(said)
 
 
 class _Notes:
@@ -328,7 +334,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, n
     momentum = M @ before + h * (np.asarray(data.qfrc_smooth) + J[lost].T @ force[lost])
     momentum += J[equal].T @ (target[equal] / R[equal])
     blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
-    dims, friction = np.asarray(data.contact.dim).ravel(), np.asarray(data.contact.friction).reshape(-1, 5)
+    friction = np.asarray(data.contact.friction).reshape(-1, 5)
     rows = np.arange(data.ne + data.nf, data.nefc)
     elliptic = np.flatnonzero(types[rows] == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC) + data.ne + data.nf
     of = np.asarray(data.efc_id)[elliptic]
@@ -489,14 +495,10 @@ class Recorder(_files.Recorder):
             _warn("lcpbench.mujoco.Recorder: no step was recorded: call before_step() before each mj_step()")
         if len(states) > 1000:
             print(f"lcpbench.mujoco.Recorder: writing {len(states)} steps", file=sys.stderr)
-        with warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always")
-            for i, state in enumerate(states):
-                mujoco.mj_setState(self._model, data, state, self._state)
-                # Of RK4 the first stage: behind mj_step the data are those of the last one.
-                rk4 = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
-                (mujoco.mj_forward if rk4 else mujoco.mj_step)(self._model, data)
-                self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)
-        for text in dict.fromkeys(str(each.message) for each in said):
-            _warn(text)
+        for i, state in enumerate(states):
+            mujoco.mj_setState(self._model, data, state, self._state)
+            # Of RK4 the first stage: behind mj_step the data are those of the last one.
+            rk4 = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+            (mujoco.mj_forward if rk4 else mujoco.mj_step)(self._model, data)
+            self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)
         super().close()

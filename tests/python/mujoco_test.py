@@ -64,6 +64,7 @@ class Capture(unittest.TestCase):
             with self.subTest(cone=cone, jacobian=jacobian, integrator=integrator, condim=condim), \
                     warnings.catch_warnings(record=True) as said:
                 warnings.simplefilter("always")
+                lcpbench.mujoco._warned.clear()
                 model, data, before = simulated(cone=cone, jacobian=jacobian, integrator=integrator, condim=condim)
                 step = lcpbench.mujoco.capture(model, data)
                 self.assertEqual([str(each.message).split("with ")[1].split(" ")[0] for each in said],
@@ -551,6 +552,14 @@ class Capture(unittest.TestCase):
                     recorder.before_step()
                     mujoco.mj_step(model, data)
         self.assertEqual([each.filename for each in said], 2 * [__file__])
+
+    def test_a_capture_in_a_loop_warns_once_whoever_changes_the_filters(self):
+        model, data, _ = simulated(steps=20, condim=4)
+        with warnings.catch_warnings(record=True) as said:
+            for _ in range(3):
+                warnings.simplefilter("default")  # Python then forgets what it has shown
+                lcpbench.mujoco.capture(model, data)
+        self.assertEqual(len(said), 1)
 
     def test_a_recorded_loop_is_solved(self):
         model, data, _ = simulated()
