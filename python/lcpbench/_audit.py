@@ -12,16 +12,18 @@ import numpy as np
 from ._files import Step
 from ._native import InputError
 from ._problem import Problem
-from ._solve import _problem, solve
+from ._solve import Answer, _problem, solve
 
 _RUNS_INTO = 1e-3  # [m/s] at which a motion goes through a contact that has no impulse
+_NO_IMPULSE = "no impulse"
 
 
 @dataclasses.dataclass(frozen=True)
 class Audit:
-    """Which contacts of a step were solved, and which are missing. Causes: "limit", too little memory or too few rows
-    for them; "margin", they were too far apart to be found and close within the step; "excluded", their pair is taken
-    out of the collisions, although both collide; "no impulse", the engine's motion runs into them."""
+    """Which contacts of a step were solved, and which would act and were not. Causes: "limit", too little memory or too
+    few rows for them; "margin", they were too far apart to be found and close within the step; "excluded", their pair is
+    taken out of the collisions, although both collide; "no impulse", the engine's answer has none there and its motion
+    runs into them: it dropped them, or its solver had not come to them yet, as after few sweeps."""
 
     found: int  #: contacts, and limits of joints and tendons
     solved: int  #: those of them that the engine solved
@@ -32,7 +34,8 @@ class Audit:
         lines = [f"{self.solved} of {self.found} contacts solved"]
         for cause, names in self.missing.items():
             more = f" and {len(names) - 5} more" if len(names) > 5 else ""
-            lines.append(f"{cause}: {len(names)} missing, {self.velocity_error[cause]:.3g} m/s: "
+            what = "that the motion runs into" if cause == _NO_IMPULSE else "missing"
+            lines.append(f"{cause}: {len(names)} {what}, {self.velocity_error[cause]:.3g} m/s: "
                          f"{', '.join(names[:5])}{more}")
         return "\n".join(lines)
 
@@ -52,12 +55,21 @@ def _change(problem: Problem, dv: np.ndarray) -> float:
     return float(np.abs(np.concatenate([problem.N.T @ dv, problem.D.T @ dv])).max(initial=0.0))
 
 
+def _solved(problems: list[Problem | Step], solver: str = "auto") -> list[Answer]:
+    answers = solve(problems, solver)
+    for each in answers:
+        if each.claim != "solved":
+            raise InputError(f"problem: auto says {each.claim}")
+    return answers
+
+
 def audit(problem: Problem | Step, solved: Any = None) -> Audit:
     """Says what the contacts that an engine did not solve would have changed, from arrays of any engine.
 
     MJWarp and Newton keep contacts beyond `nconmax`, and rows beyond `njmax`, out of their solver. Build the problem of
     all contacts that they found, with `Problem.from_scene` from points, normals and distances (b = distance / step
-    length), and say which of them were solved. Two solves by `auto`.
+    length), and say which of them were solved. Two solves by `auto`; contacts that have no impulse in its answer, because
+    they separate, are not missing.
 
     Args:
         problem: a Problem of contacts, or a Step.
@@ -68,11 +80,12 @@ def audit(problem: Problem | Step, solved: Any = None) -> Audit:
         An `Audit`: its cause is "limit", and without `solved` it is "no impulse".
 
     Raises:
-        InputError: solved has another shape, or is None and the problem has no impulses of an engine.
+        InputError: solved has another shape, or is None and the problem has no impulses of an engine; or `auto` does not
+            solve the problem.
     """
     whole = _problem(problem)
     names = whole._contact_names or [f"contact {i}" for i in range(whole.nc)]
-    cause = "no impulse" if solved is None else "limit"
+    cause = _NO_IMPULSE if solved is None else "limit"
     if solved is None:
         if whole.engine_impulses is None:
             raise InputError("solved: is None, and the problem has no impulses of an engine")
@@ -87,8 +100,10 @@ def audit(problem: Problem | Step, solved: Any = None) -> Audit:
         raise InputError(f"solved has shape {solved.shape} of {solved.dtype}, expected ({whole.nc},) of bool")
     if solved.all():
         return Audit(whole.nc, whole.nc, {}, {})
-    with_all, without = solve([whole, _part(whole, solved)])
-    left = [names[i] for i in np.flatnonzero(~solved)]
+    with_all, without = _solved([whole, _part(whole, solved)], "auto{impulses=even}")
+    left = [names[i] for i in np.flatnonzero(~solved & (with_all.normal_impulses > 0))]
+    if not left:
+        return Audit(whole.nc, int(solved.sum()), {}, {})
     return Audit(whole.nc, int(solved.sum()), {cause: left},
                  {cause: _change(whole, with_all.velocity - without.velocity)})
 
@@ -157,7 +172,7 @@ def of_mujoco(model: Any, data: Any, *, njmax: int | None = None, nconmax: int |
         An `Audit`.
 
     Raises:
-        InputError: as those of `capture`.
+        InputError: as those of `capture`; or `auto` does not solve a problem.
     """
     import mujoco
 
@@ -191,10 +206,10 @@ def of_mujoco(model: Any, data: Any, *, njmax: int | None = None, nconmax: int |
             other.exclude_signature[:] = 0
             other.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         step = capture(other, _roomy(other, state)[1], stepped=False)
-        answer = solve(step, "auto{impulses=even}")
+        answer = _solved([step], "auto{impulses=even}")[0]
         acting = [each for each, f in zip(step.contact_ids or [], answer.normal_impulses) if f > 0 and each not in names]
         if acting:
-            before = solve(whole) if before is None else before
+            before = _solved([whole])[0] if before is None else before
             result.missing[cause] = acting
             result.velocity_error[cause] = _change(step.problem, answer.velocity - before.velocity)
     return result

@@ -42,12 +42,26 @@ class Arrays(unittest.TestCase):
         with self.assertRaisesRegex(lcpbench.InputError, "no impulses of an engine"):
             lcpbench.audit(plate())
 
+    def test_what_separates_is_not_missing(self):
+        fingers = lcpbench.Problem(G=np.eye(3), N=np.eye(3), v=[-1, 3, -2])  # three bodies, the second one leaves
+        found = lcpbench.audit(fingers, np.array([True, False, False]))
+        self.assertEqual((found.missing, found.velocity_error), ({"limit": ["contact 2"]}, {"limit": 2.0}))
+        found = lcpbench.audit(fingers, np.array([True, False, True]))
+        self.assertEqual((str(found), found.missing), ("2 of 3 contacts solved", {}))
+
+    def test_what_has_no_solution_has_no_error_either(self):
+        squeezed = lcpbench.Problem(G=[[1.0]], N=[[1.0, -1.0]], v=[0.0], b=[-0.5, -0.25])
+        with self.assertRaisesRegex(lcpbench.InputError, "^problem: auto says unsolvable$"):
+            lcpbench.audit(squeezed, np.array([False, False]))
+
     def test_the_command_finds_them_in_captured_steps(self):
         whole, impulses = plate(), np.zeros((6, 3))
         impulses[:3] = [MASS / 3 * (FALL - D * TURN), MASS / 3 * C * TURN, 0]  # friction holds the row in its place
         step = lcpbench.Step(whole, contact_ids=[f"ball {i}" for i in range(6)], impulses=impulses)
         named = ["ball 3", "ball 4", "ball 5"]
-        self.assertEqual(lcpbench.audit(step).missing, {"no impulse": named})
+        found = lcpbench.audit(step)
+        self.assertEqual(found.missing, {"no impulse": named})
+        self.assertRegex(str(found), "\nno impulse: 3 that the motion runs into, ")
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "plate.scenes")
             with lcpbench.Recorder(file) as recorder:
@@ -56,9 +70,9 @@ class Arrays(unittest.TestCase):
             run = subprocess.run([os.environ["LCPBENCH_PROGRAM"], "audit", file, "--format", "json"], check=True,
                                  capture_output=True)
         first, second = json.loads(run.stdout)
-        self.assertEqual((first["found"], first["solved"], first["missing"]), (6, 3, named))
+        self.assertEqual((first["found"], first["solved"], first["run_into"]), (6, 3, named))
         self.assertAlmostEqual(first["velocity_error_m_per_s"], 2 * D * TURN, delta=1e-9)
-        self.assertEqual((second["missing"], second["velocity_error_m_per_s"]), ([], 0))
+        self.assertEqual((second["run_into"], second["velocity_error_m_per_s"]), ([], 0))
 
 
 @unittest.skipIf(mujoco is None, "PyPI's mujoco is not installed")
