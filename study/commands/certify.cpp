@@ -74,7 +74,7 @@ Json certificate_json(const Problem& problem, const std::string& file, const Cer
   Json json{{"problem", problem_summary_json(problem, file)},
             {"certificate", to_string(certificate.kind)},
             {"proof", certificate.proof == ProofKind::kNone ? Json(nullptr) : Json(to_string(certificate.proof))},
-            {"z", json_vector(certificate.z)},
+            {"z", json_vector(certificate.z, certificate.proof == ProofKind::kExactBasis)},
             {"velocity", json_vector(certificate.velocity)},
             {"velocity_unique", json_optional(certificate.velocity_unique)},
             {"farkas", json_vector(certificate.farkas)},

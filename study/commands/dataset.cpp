@@ -71,7 +71,7 @@ class Dataset {
                {"held_out", held_out}};
       row.update(features(problem));
       const Json answer = solved(problem);
-      for (const char* key : {"verdict", "residual", "certificate", "velocity_unique"}) row[key] = answer[key];
+      for (const char* key : {"verdict", "residual", "certificate", "velocity_unique", "impulses"}) row[key] = answer[key];
       file << Json{{"step", scenes.step_number(i)}, {"answer", answer}}.dump() << '\n';
       rows_.push_back(std::move(row));
     }
@@ -86,6 +86,10 @@ class Dataset {
     out.commit();
   }
   std::size_t count() const { return rows_.size(); }
+  std::size_t even() const {
+    return static_cast<std::size_t>(
+        std::count_if(rows_.begin(), rows_.end(), [](const Json& row) { return row["impulses"] == "even"; }));
+  }
   std::size_t solved() const {
     return static_cast<std::size_t>(
         std::count_if(rows_.begin(), rows_.end(), [](const Json& row) { return row["verdict"] == "solved"; }));
@@ -107,7 +111,8 @@ class Dataset {
             {"residual", json_number(judgement.errors.velocity_residual_relative)},
             {"certificate", proven ? Json(to_string(proven->kind)) : Json()},
             {"velocity_unique", proven ? json_optional(proven->velocity_unique) : Json()},
-            {"z", json_vector(timed.answer.z)},
+            {"impulses", to_string(timed.answer.impulses)},
+            {"z", json_vector(timed.answer.z, judgement.errors.usable)},
             {"velocity", json_vector(velocity)}};
   }
 
@@ -125,7 +130,7 @@ made by lcpbench {version}, seed {seed}, with at most {contacts} contacts aimed 
 | file | has |
 | --- | --- |
 | `scenes/*.scenes` | the problems: JSON lines, compressed by zstd (format: docs/reference/scenes-file.md of lcpbench) |
-| `answers/*.jsonl` | for each step: impulses `z` (f_N, f_D, lambda) of vanishing compliance, velocity after the step, verdict |
+| `answers/*.jsonl` | for each step: impulses `z` (f_N, f_D, lambda) and which they are, velocity after the step, verdict |
 | `features.csv` | a row for each step: sizes, friction, islands, hash of the problem, verdict, exact certificate |
 | `fclib/*.hdf5` | after `python -m lcpbench.fclib scenes/*.scenes --out fclib`: the problems that Siconos' FCLIB can hold |
 
@@ -133,6 +138,9 @@ made by lcpbench {version}, seed {seed}, with at most {contacts} contacts aimed 
 contacts with Coulomb's friction in a pyramid. Units: kg, m, s, N s.
 **Answers.** By `auto{{impulses=even}}` within {limit:g} s; each is judged from the problem's data alone in 113 bits, and is solved
 where its relative residual is at most 1e-4. {unsolved} are not: their `verdict` is another one.
+Many impulses can give one motion. `impulses` says of each answer which it has: "even" ({even} of {count}), those that contacts
+of equal, vanishing compliance would carry; "any", some that give the motion; or nothing, where the answer has none.
+Learn impulses from the even ones alone.
 `certificate` is what exact rational arithmetic proved of small problems.
 **Splits.** `held_out` is true for sets that nothing in lcpbench was fitted to. Use them as test sets.
 **Limits.** Rigid bodies, no rolling or torsional friction, compliance only where an engine's model has it. Made problems
@@ -185,7 +193,8 @@ int write_dataset(const DatasetArguments& arguments) {
                 fmt::format(kCard, fmt::arg("count", dataset.count()), fmt::arg("captured", captured),
                             fmt::arg("made", dataset.count() - captured), fmt::arg("version", kBuildInfo.version),
                             fmt::arg("seed", kSeed), fmt::arg("contacts", arguments.contacts),
-                            fmt::arg("limit", kTimeLimitS), fmt::arg("unsolved", dataset.count() - dataset.solved())));
+                            fmt::arg("limit", kTimeLimitS), fmt::arg("unsolved", dataset.count() - dataset.solved()),
+                            fmt::arg("even", dataset.even())));
   say(stdout, "{} problems in {}\n", dataset.count(), printable(arguments.folder));
   return kExitDone;
 }

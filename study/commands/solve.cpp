@@ -258,7 +258,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"truth", to_string(attempt.truth)},
           {"least_violation_m_per_s", json_number(attempt.least_violation_m_per_s)},
           {"why", attempt.why},
-          {"z", json_vector(answer.z)},
+          {"z", json_vector(answer.z, attempt.judgement.errors.usable)},
           {"velocity", json_vector(attempt.velocity)},
           {"impulses", to_string(answer.impulses)},
           {"errors", errors_json(attempt.judgement.errors)},

@@ -29,9 +29,9 @@ Json json_optional(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-/// An array of numbers; null for an empty vector.
-inline Json json_vector(const Vector& vector) {
-  if (vector.size() == 0) return nullptr;
+/// An array of numbers; null for an empty vector that stands for none.
+inline Json json_vector(const Vector& vector, bool is_given = false) {
+  if (vector.size() == 0 && !is_given) return nullptr;
   Json array = Json::array();
   for (const double value : vector) array.push_back(json_number(value));
   return array;

@@ -20,6 +20,7 @@ class Dataset(unittest.TestCase):
             rows = list(csv.DictReader((folder / "features.csv").read_text().splitlines()))
             made = [each for each in rows if each["set"].startswith("made/")]
             self.assertEqual(len(made), 2)  # of each of 19 sets, of which one begins with g
+            seen = {(each["file"], int(each["step"])): k for k, each in enumerate(rows)}
             solved = 0
             for stem in {each["file"] for each in rows}:
                 scenes = lcpbench.load(folder / stem)
@@ -27,11 +28,15 @@ class Dataset(unittest.TestCase):
                 self.assertEqual(len(lines), len(scenes))
                 for step, line in zip(scenes, map(json.loads, lines)):
                     self.assertEqual(step.step, line["step"])
+                    self.assertEqual(line["answer"]["impulses"], rows[seen[stem, step.step]]["impulses"])
                     solved += lcpbench.check(step.problem, line["answer"]["z"], line["answer"]["velocity"]).verdict == "solved"
             self.assertEqual(solved, len(rows))
-            self.assertIn(f"{len(rows)} time steps", (folder / "README.md").read_text())
+            card = (folder / "README.md").read_text()
+            self.assertIn(f"{len(rows)} time steps", card)
+            even = [each["impulses"] for each in rows].count("even")
+            self.assertIn(f'"even" ({even} of {len(rows)})', card)
             known = "".join(each[key] + "\n" for each in rows for key in list(each)[: list(each).index("verdict")])
-            self.assertEqual(hashlib.sha256(known.encode()).hexdigest(), 
+            self.assertEqual(hashlib.sha256(known.encode()).hexdigest(),
                              "976715692a63154e2f96ff15e2b7631c162e9dae11cbea699cabd89068e640c2")
 
 
