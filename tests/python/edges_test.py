@@ -10,7 +10,6 @@ import unittest
 
 import numpy as np
 
-import lcpbench
 from lcpbench import ContactSolver, InputError, Problem, Recorder, Step, check, load, solve
 
 BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"

@@ -11,12 +11,14 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 import numpy as np
+import scipy.io
 import scipy.sparse
 
 import lcpbench
-from lcpbench import ContactSolver, Problem, Recorder, Scenes, Step, available_solvers, check, load, save, solve
+from lcpbench import ContactSolver, InputError, Problem, Recorder, Step, available_solvers, check, load, save, solve
 
 PROGRAM = os.environ["LCPBENCH_PROGRAM"]
 BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"
@@ -379,6 +381,73 @@ class Files(unittest.TestCase):
     def test_problems_travel_between_processes(self):
         for problem in (random_contacts(3, 1), load(BOX), Problem(M=[[2.0]], q=[-1])):
             self.assertEqual(pickle.loads(pickle.dumps(problem)), problem)
+
+    def test_a_matlab_file_that_crashes_scipy_is_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "p.mat")
+            scipy.io.savemat(file, dict(M=scipy.sparse.diags([2.0, 3.0]).tocsc(), q=[-1.0, -2.0]))
+            self.assertEqual(list(solve(load(file)).z), [0.5, 2 / 3])
+            damaged = bytearray(file.read_bytes())
+            damaged[177] ^= 0xFF  # a size: scipy 1.17 crashes
+            file.write_bytes(damaged)
+            with self.assertRaisesRegex(InputError, "^[^\n]*p.mat: cannot be read: [^\n]*$"):
+                load(file)
+            with unittest.mock.patch("lcpbench._files._MAT_READER", "import os; os.abort()"), \
+                    self.assertRaisesRegex(InputError, "p.mat: cannot be read: it is damaged so that scipy crashes"):
+                load(file)
+
+    def test_hdf5_is_an_error_that_says_who_reads_it(self):
+        with self.assertRaisesRegex(InputError, "a.hdf5: HDF5 is not read here; lcpbench.fclib.load reads files of FCLIB"):
+            load("a.hdf5")
+        with unittest.mock.patch.dict(sys.modules, h5py=None), self.assertRaisesRegex(InputError, "needs h5py"):
+            lcpbench.fclib.load("a.hdf5")
+
+    def test_no_impulses_to_judge_is_an_error_that_says_so(self):
+        with self.assertRaisesRegex(InputError, "^impulses: is None, and the problem has no impulses of an engine$"):
+            check(load(BOX))
+
+    def test_answers_without_contacts_are_empty_lists(self):
+        free = Problem(G=np.eye(2), N=np.zeros((2, 0)), v=[1.0, -2.0])
+        with tempfile.TemporaryDirectory() as folder:
+            save(free, f"{folder}/p.json")
+            for command in (["solve", "--solver", "auto"], ["certify"]):
+                row = json.loads(program(*command, f"{folder}/p.json", "--format", "json"))[0]
+                self.assertEqual((row["z"], row["velocity"]), ([], [1.0, -2.0]))
+
+    def test_answers_are_read_only(self):
+        for solver in ("auto", "cone_ipm{cone=true}"):
+            answer = solve(load(BOX), solver)
+            for name in ("z", "velocity", "impulses", "normal_impulses", "friction_impulses"):
+                with self.subTest(name), self.assertRaisesRegex(ValueError, "read-only"):
+                    getattr(answer, name)[...] = 0
+            self.assertEqual(check(answer.problem, answer.z).verdict, answer.verdict)
+
+    def test_certificates_of_the_program(self):
+        squeezed = Problem(G=[[2.0]], N=[[1.0, -1.0]], v=[0.0], b=[-1.0, -3.0])
+        found = lcpbench.certify(squeezed)
+        self.assertEqual((found.certificate, found.proof, found.z, bool(found)), ("unsolvable", "farkas", None, False))
+        self.assertGreater(found.farkas.min(), 0)
+        found = lcpbench.certify(Problem(G=[[2.0]], N=[[1.0]], v=[-0.25]))
+        self.assertEqual((found.certificate, list(found.z), list(found.velocity)), ("solution", [0.5], [0.0]))
+        self.assertTrue(found and found.velocity_unique)
+        with unittest.mock.patch.dict(os.environ, LCPBENCH_PROGRAM="", PATH=""), \
+                self.assertRaisesRegex(InputError, "^certify: needs the program lcpbench"):
+            lcpbench.certify(squeezed)
+
+    def test_modules_of_engines_come_with_the_package(self):
+        words = "import lcpbench, sys; assert 'lcpbench.mujoco' not in sys.modules; lcpbench.mujoco.capture; " \
+                "lcpbench.fclib.load; assert 'mujoco' not in sys.modules; lcpbench.havok"
+        done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True)
+        self.assertEqual(done.stderr.splitlines()[-1], "AttributeError: module 'lcpbench' has no attribute 'havok'")
+
+    def test_the_module_starts_the_program_or_says_how_to_get_it(self):
+        def run(**more):
+            return subprocess.run([sys.executable, "-m", "lcpbench", "--version"], capture_output=True, text=True,
+                                  env={**os.environ, **more})
+
+        self.assertEqual(run().stdout, program("--version"))
+        self.assertEqual(run(LCPBENCH_PROGRAM="", PATH=os.path.dirname(PROGRAM)).stdout, program("--version"))
+        self.assertRegex(run(LCPBENCH_PROGRAM="", PATH="").stderr, "^lcpbench: .* without the program: .*LCPBENCH_PROGRAM\n$")
 
     def test_solvers_of_the_program_answer_too(self):
         solvers = {each.name: each for each in available_solvers()}

@@ -6,7 +6,6 @@ import unittest
 import numpy as np
 import scipy.sparse
 
-import lcpbench
 from lcpbench import ContactSolver, InputError, Problem, Recorder, Scenes, Step, check, load, save, solve
 
 BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"
