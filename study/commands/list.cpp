@@ -52,8 +52,11 @@ Json solver_json(const RegisteredSolver& solver) {
           {"settings", settings_json(definition.settings())}};
 }
 
-/// @throws InputError for a pattern that matches none
-Json solvers_json(const std::string& pattern) {
+/// @param wanted  a name, a pattern, or a name with settings
+/// @throws InputError for a pattern that matches none, and for settings that the solver refuses
+Json solvers_json(const std::string& wanted) {
+  const bool has_settings = wanted.find('{') != std::string::npos;
+  const std::string pattern = has_settings ? canonical_solver_spec(parse_spec(wanted)).name : wanted;
   Json array = Json::array();
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (pattern.empty() || glob_matches(pattern, solver.definition.name)) array.push_back(solver_json(solver));
@@ -224,7 +227,9 @@ Action add_solvers_command(CLI::App& command) {
   const auto available = [](const Json& solver) {
     return solver["available"] ? std::string("yes") : "no: " + text_of(solver, "reason");
   };
-  return add_list(command, "NAME", "only the solvers that this name, or glob with * and ?, matches",
+  return add_list(command, "NAME",
+                  "only the solvers that this name, or glob with * and ?, matches; settings behind a name, as in "
+                  "psor{relaxation=1}, are checked",
                   {"solver",
                    solvers_json,
                    grouped_solver,

@@ -3,6 +3,7 @@
 
     docs_test.py links                     every relative link and every docs/ path in the sources leads somewhere
     docs_test.py tables LCPBENCH [--write] tables that are made from the program or from results/ are up to date; --write brings them up to date
+    docs_test.py specs LCPBENCH            the program takes every solver with settings that pages, plans and results name
     docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run, and print the counts of wrong answers that it states
 
 In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
@@ -21,6 +22,13 @@ from paper_tables import paper_table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "python", "study", "tests")
+# Solvers with settings that the program refuses, by their beginning, and why they stand somewhere all the same.
+REFUSED = {
+    "contact_lemke{precision=float}": "results of an earlier program", "contact_lemke{precision=polished}": "the same",
+    "lemke{precision=": "the same", "lemke{rules=2012}": "the same", "lemke{cap=lemke,rules=2012}": "the same",
+    "primal_dual{rules=2012}": "the same", "psor{acceleration=local}": "the same",
+    "auto{error=$t}": "a loop of the shell", "auto{error=rho}": "rho is a number", "regularized{solver=...}": "a form",
+}
 # The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
 OLD_PATHS = {("study/store/schema.cpp", "docs/certificates.md")}
 
@@ -345,6 +353,30 @@ def check_tables(lcpbench, write):
     return 0 if tables > 0 else 1
 
 
+def check_specs(lcpbench):
+    def listed(*arguments):
+        return subprocess.run([lcpbench, "solvers", *arguments, "--format", "json"], capture_output=True, text=True)
+
+    names = [each["name"] for each in json.loads(listed().stdout)]
+    files = [*ROOT.glob("*.md"), *(ROOT / "study").rglob("*.json")]
+    for folder in ("docs", "results"):
+        files += [each for suffix in ("md", "json", "csv") for each in (ROOT / folder).rglob("*." + suffix)]
+    found = {}
+    for file in files:
+        for spec in re.findall(rf"(?<![\w/])(?:{'|'.join(names)})\{{[^{{}}\n]+\}}", file.read_text()):
+            found.setdefault(spec, str(file.relative_to(ROOT)))
+    known = {each for each in found if each.startswith(tuple(REFUSED))}
+    refused = {each: done.stderr.strip() for each in found if (done := listed(each)).returncode != 0}
+    for spec in sorted(set(refused) - known):
+        print(f"{found[spec]}: {spec}: {refused[spec]}")
+    for start in REFUSED:
+        if not any(each.startswith(start) for each in refused):
+            print(f"{start}: stands nowhere, or is not refused: take it out of REFUSED")
+            return 1
+    print(f"{len(found)} solvers with settings, {len(known)} of them known to be refused")
+    return 0 if set(refused) <= known and len(found) > len(known) else 1
+
+
 def run_tutorial(page, lcpbench):
     """Runs the page as a reader does, from a folder that holds the examples."""
     program = pathlib.Path(lcpbench).resolve()
@@ -379,6 +411,8 @@ if __name__ == "__main__":
         sys.exit(check_links())
     if task == "tables":
         sys.exit(check_tables(arguments[0], "--write" in arguments))
+    if task == "specs":
+        sys.exit(check_specs(arguments[0]))
     if task == "tutorial":
         sys.exit(run_tutorial(*arguments))
     sys.exit(__doc__)

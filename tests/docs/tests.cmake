@@ -7,6 +7,7 @@ find_program(GIT git)
 if(GIT)
   add_test(NAME docs_age COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/docs/age_test.sh ${PROJECT_SOURCE_DIR}/results/age.sh)
 endif()
+add_test(NAME docs_specs COMMAND ${docs_test} specs $<TARGET_FILE:lcpbench>)
 foreach(tutorial first-study bring-your-problem bring-your-solver)
   add_test(NAME docs_${tutorial}
            COMMAND ${docs_test} tutorial ${PROJECT_SOURCE_DIR}/docs/tutorial/${tutorial}.md $<TARGET_FILE:lcpbench>)
