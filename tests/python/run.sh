@@ -19,4 +19,4 @@ rm -rf "$work/site"
 cmake --install "$work/build" --component python --prefix "$work/site" > /dev/null
 export PYTHONPATH="$work/site" LCPBENCH_PROGRAM="$program" LCPBENCH_SOURCE="$source" \
   LCPBENCH_C="$work/build/liblcpbench_c.so" PYTHONDONTWRITEBYTECODE=1
-exec "$python" -m unittest discover -s "$source/tests/python" -p '*_test.py' -v
+"$python" -m unittest discover -s "$source/tests/python" -p '*_test.py' -v 2>&1 | tee "$work.tests.log"

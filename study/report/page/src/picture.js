@@ -129,9 +129,6 @@ function drawLines(lines, { width, height, target, names }) {
   });
 }
 
-const rank = ({ group, record }) => (group === "recommended" ? 0 : record.tie ? 1 : record.false ? 2
-  : group === "reliable" ? 3 : 4);
-
 const lengthOf = (name) => 6.3 * name.length;  // px, estimated
 /** What a solver is called in a picture: an external one by its command, from behind the last "/" on. */
 const shortName = ({ label }) => /^external\{command=([^,}]*)/.exec(label)?.[1].replace(/^.*\//, "") ?? label;
