@@ -1,6 +1,5 @@
 # The Python package: built by itself with Debian's Python, and tested. Tests of captures and peers skip what is
-# missing, which ctest
-# counts by python_skipped.
+# missing, which ctest counts by python_skipped.
 add_test(NAME python
          COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/python/run.sh ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_BINARY_DIR}/python
                  $<TARGET_FILE:lcpbench> ${CMAKE_CXX_COMPILER})
