@@ -28,6 +28,7 @@ REFUSED = {
     "lemke{precision=": "the same", "lemke{rules=2012}": "the same", "lemke{cap=lemke,rules=2012}": "the same",
     "primal_dual{rules=2012}": "the same", "psor{acceleration=local}": "the same",
     "auto{error=$t}": "a loop of the shell", "auto{error=rho}": "rho is a number", "regularized{solver=...}": "a form",
+    "auto{start=last}": "how --start last names its second runs",
 }
 # The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
 OLD_PATHS = {("study/store/schema.cpp", "docs/certificates.md")}
