@@ -65,11 +65,13 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
   });
   Worst worst;
   const QuadVector errors = errors_of_islands(point);
+  bool fails = false;  // whatever the errors are
   for (std::size_t island = 0; island < largest.size(); ++island) {
     const Quad scale = scales(model)[island], relative = quotient(largest[island], scale);
     const Quad error = errors.empty() ? Quad{0} : errors[island] / scale;
     const bool decides_itself = abs(relative - kSolvedVelocityResidual) > error || error == 0;
     worst.is_resolved = worst.is_resolved && error <= kResolvedError && decides_itself;
+    fails = fails || relative - error > kSolvedVelocityResidual;
     if (largest[island] == 0) continue;
     worst.residual = larger(worst.residual, largest[island]);
     if (!(relative > worst.relative)) continue;
@@ -78,6 +80,7 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
     worst.of_row = largest[island];
     worst.scale = scale;
   }
+  worst.is_resolved = worst.is_resolved || fails;
   return worst;
 }
 

@@ -30,7 +30,8 @@ class ContactResidual {
     Index row = -1;     ///< -1: no row is violated
     Quad of_row = 0;    ///< its residual
     Quad scale = 0;     ///< that of its island
-    /// No residual may be off by more than kResolvedError of its scale, nor by what changes the verdict.
+    /// No residual may be off by more than kResolvedError of its scale, nor by what changes the verdict; or one is too
+    /// large, however far it is off.
     bool is_resolved = true;
   };
 
