@@ -48,7 +48,7 @@ def main():
         for way in ways:
             for row in replay(*way):
                 key = (row["scene"], row["stepper"], row["engine"])
-                times.setdefault(key, []).append(float(row["cpu_s_per_s"]))
+                times.setdefault(key, []).extend([float(row["cpu_s_per_s"])] if row["cpu_s_per_s"] else [])  # an engine may tell none
                 rows[key] = row
     version = versions()
     kept = []
@@ -59,8 +59,8 @@ def main():
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow((*KEPT, "version", "cpu_s_per_s", "least", "largest"))
         for key, row in rows.items():
-            measured = times[key]
-            writer.writerow((*(row[name] for name in KEPT), version.get(row["engine"], ""), statistics.median(measured), min(measured), max(measured)))
+            measured = (statistics.median(times[key]), min(times[key]), max(times[key])) if times[key] else ("", "", "")
+            writer.writerow((*(row[name] for name in KEPT), version.get(row["engine"], ""), *measured))
         for row in kept:
             writer.writerow(row.values())
 
