@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/compliance.h"
+#include "core/timed_solve.h"
 #include "generators/random.h"
 #include "generators/sets.h"
 #include "native/proximal_newton/friction_polygon.h"
