@@ -43,6 +43,7 @@ bool LemkeHowson::load(const Lcp& lcp) {
   }
   lcp_ = &lcp;
   tableau_.resize(n, n + 2);
+  entering_.resize(n + 2);
   basic_.resize(static_cast<std::size_t>(n));
   nonbasic_.resize(static_cast<std::size_t>(n));
   return true;
@@ -51,8 +52,7 @@ bool LemkeHowson::load(const Lcp& lcp) {
 /// Rows are scaled so that q is -1.
 void LemkeHowson::fill() {
   const Index n = lcp_->size();
-  const Vector scale = -lcp_->q.cwiseInverse();
-  tableau_.leftCols(n) = scale.asDiagonal() * lcp_->M;
+  for (Index i = 0; i < n; ++i) tableau_.row(i).head(n) = lcp_->M.row(i) / -lcp_->q(i);
   tableau_.col(n).setConstant(-1);
   std::uint32_t random = 1;
   for (Index i = 0; i < n; ++i) {
@@ -67,13 +67,13 @@ void LemkeHowson::exchange(Index row, Index column) {
   const double pivot = tableau_(row, column);
   tableau_.row(row) /= -pivot;
   tableau_(row, column) = 1 / pivot;
-  const Eigen::RowVectorXd entering = tableau_.row(row);
+  entering_ = tableau_.row(row);
   for (Index i = 0; i < tableau_.rows(); ++i) {
     if (i == row) continue;
     const double factor = tableau_(i, column);
     if (factor == 0) continue;
     tableau_(i, column) = 0;
-    tableau_.row(i) += factor * entering;
+    tableau_.row(i) += factor * entering_;
   }
   std::swap(basic_[static_cast<std::size_t>(row)], nonbasic_[static_cast<std::size_t>(column)]);
   ++pivots_;

@@ -36,6 +36,7 @@ class LemkeHowson {
   const Lcp* lcp_ = nullptr;
   std::vector<bool> side_;      // of each row
   Matrix tableau_;              // basic = constants + tableau times nonbasic: n columns, q, and what breaks ties
+  Eigen::RowVectorXd entering_;
   std::vector<Index> basic_, nonbasic_;  // w_i = i, z_i = n + i
   std::int64_t pivots_ = 0;
 };
