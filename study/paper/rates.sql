@@ -126,7 +126,7 @@ SELECT r."table", replace(r.experiment, ' at ', ' ') || iif(r.reading = 'combina
        MAX(iif(cell = 'PATH published', text, NULL)) AS PATH_published,
        MAX(iif(cell = 'PATH ours', text, NULL)) AS PATH_ours,
        MAX(iif(cell = 'IP published', text, NULL)) AS IP_published, MAX(iif(cell = 'IP ours', text, NULL)) AS IP_ours,
-       iif(MIN(r.trials) = MAX(r.trials), '', printf('%d-', MIN(r.trials))) || MAX(r.trials) AS our_trials
+       iif(MIN(r.trials) < MAX(r.trials), printf('%d-%d', MIN(r.trials), MAX(r.trials)), MAX(r.trials)) AS our_trials
 FROM ranked r JOIN texts t ON r.choice = 1 AND t."table" = r."table" AND t.experiment = r.experiment
                               AND coalesce(t.reading, r.reading) = r.reading
 GROUP BY r."table", r.experiment, r.reading ORDER BY substr(r.experiment, 1, 1), length(r.experiment),

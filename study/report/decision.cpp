@@ -109,9 +109,8 @@ std::string withheld_words(const Summary& summary, const Situation& situation) {
         fmt::format("too few to say: {}, {} of the plan; the report needs {:g} % of it, or {} problems",
                     counted(most, "problem"), plan_share_text(choice.plan_share), 100 * kPlanShare, ample_problems());
   }
-  const auto low = [](const Contender& each) {  // what is shown to be unreliable comes last
-    const bool bad = !each.reliable() && each.ground <= Ground::kBehindTheBest;
-    return std::pair(!bad, std::fmax(each.sure_share(), -1));
+  const auto low = [](const Contender& each) {  // who was caught with false claims comes last
+    return std::pair(each.ground != Ground::kFalseClaims, std::fmax(each.sure_share(), -1));
   };
   const Contender& best = *std::ranges::max_element(choice.contenders, {}, low);
   return words + fmt::format("; the best by share solved, {}, solved {} ({}) of {}{}", solver_label(summary, best.solver),

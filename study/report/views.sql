@@ -41,7 +41,7 @@ WHERE c.sweep = '';
 CREATE TEMP VIEW terminal_answer AS
 WITH ranked AS (
   SELECT *, contenders.rowid AS place, ROW_NUMBER() OVER (
-           PARTITION BY contacts ORDER BY recommended DESC, reliable IS 0, reliable IS NULL,
+           PARTITION BY contacts ORDER BY recommended DESC, reliability = 'false_claims',
                                           wilson_low("solved.part", "solved.whole" + "refused.part") DESC) = 1
            AND "solved.whole" > 0 AS leads,
          CASE WHEN solver LIKE 'bullet@_%' ESCAPE '@' THEN 'Bullet' WHEN solver LIKE 'ode@_%' ESCAPE '@' THEN 'ODE' END
