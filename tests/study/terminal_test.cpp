@@ -301,7 +301,7 @@ TEST_F(TerminalTest, ASolveThatRanOutOfTimeIsRepeatedWithItsLimit) {
   write("plan.json", R"({"format": "lcpbench-plan", "version": 1, "name": "p", "trials": 3,
       "time_limit_s": 1e-6, "sets": ["rigid/frictional/exp1"], "solvers": ["psor"]})");
   const std::string out = done("run plan.json");
-  EXPECT_TRUE(contains(out, ".json --solver psor --time-limit 1e-06")) << out;
+  EXPECT_TRUE(contains(out, "' --solver psor --time-limit 1e-06")) << out;
 }
 
 TEST_F(TerminalTest, OfAFileAllProblemsAreTaken) {
