@@ -138,7 +138,7 @@ class Judge(unittest.TestCase):
             self.assertLess(check(self.problem, form).residual, 1e-12)
 
     def test_the_verdict_names_the_worst_contact(self):
-        impulses = self.answer.impulses
+        impulses = self.answer.impulses.copy()
         impulses[2, 0] += 0.01
         found = check(self.problem, impulses)
         self.assertEqual(found.verdict, "wrong")
@@ -342,7 +342,7 @@ class Construction(unittest.TestCase):
         svg = problem.figure(*answers)._repr_svg_()
         self.assertIn("contact_lemke: solved", svg)
         self.assertEqual(svg.count("contact 3<"), 1)
-        answers[1].z[:] = math.nan
+        answers[1].z = np.full_like(answers[1].z, math.nan)
         self.assertNotIn("nan", problem.figure(*answers).svg)
         other = Problem(G=np.eye(4), N=np.eye(4), v=-np.ones(4))
         with self.assertRaisesRegex(lcpbench.InputError, "no Answer to this problem"):
