@@ -204,7 +204,7 @@ def steps_table():
     with open(ROOT / "results/replay/steps.csv", newline="") as file:
         rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
     scenes = {"pyramid-55": "55-cube pyramid", "wall": "wall", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper", "box-pile": "falling pile"}
-    names = {("exact", "ODE"): "`auto`", ("exact{solver=auto{error=1e-4}}", "ODE"): "`auto{error=1e-4}`",
+    names = {("exact", "ODE"): "`auto`", ("exact{solver=auto{error=1e-04}}", "ODE"): "`auto{{error=1e-4}}`",
              ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps", ("sequential_impulses{iterations=50}", "ODE"): "the same, 50 sweeps",
              ("engine", "Bullet"): "Bullet {} as shipped", ("engine", "DART"): "DART {} as shipped", ("engine", "MuJoCo"): "MuJoCo {} as shipped"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
