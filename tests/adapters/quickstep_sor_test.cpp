@@ -111,7 +111,8 @@ TEST(QuickstepSorTest, ClaimsOnlyWhatTheEvaluationConfirms) {
       const Problem problem = set->generate(kSeed, trial);
       const Answer answer = solve("quickstep_sor{iterations=3000,w=1}", problem);
       EXPECT_TRUE(answer.claim == Claim::kSolved || answer.claim == Claim::kIterationLimit) << answer.detail;
-      EXPECT_EQ(answer.counters.iterations, 3000);
+      const bool presses = (answer.z.head(problem.contact()->nc()).array() > 0).any();  // else nothing approaches
+      EXPECT_EQ(answer.counters.iterations, presses ? 3000 : 0);
       if (answer.claim != Claim::kSolved) continue;
       ++claimed;
       EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 2e-8) << problem.name();

@@ -43,14 +43,14 @@ void expect_solution(const Certificate& certificate, const Vector& z) {
   EXPECT_EQ(certificate.z, z);
 }
 
-// Of an answer that passes although a row, which is 1e-8 of the others, is not solved: see
-// docs/explanation/verdicts.md.
+// Of an answer that passes although a row, whose q is 1e-10 of the others', is not solved: the floor F_i of its error is
+// that of its block. See docs/explanation/verdicts.md.
 TEST(CertifyTest, SaysWhatASmallRowOfABareLcpHides) {
-  const Problem hides = bare({1, 1, 0, 1}, {-1e8, -1});
-  EXPECT_TRUE(evaluate(hides, vec({1e8, 0})).solved);
-  expect_solution(certify(hides), vec({1e8 - 1, 1}));
-  const Problem none = bare({1, 1, 0, 0}, {-1e8, -1});
-  EXPECT_TRUE(evaluate(none, vec({1e8, 0})).solved);
+  const Problem hides = bare({1, 1, 0, 1}, {-1e10, -1});
+  EXPECT_TRUE(evaluate(hides, vec({1e10, 0})).solved);
+  expect_solution(certify(hides), vec({1e10 - 1, 1}));
+  const Problem none = bare({1, 1, 0, 0}, {-1e10, -1});
+  EXPECT_TRUE(evaluate(none, vec({1e10, 0})).solved);
   EXPECT_EQ(certify(none).kind, CertificateKind::kUnsolvable);
 }
 

@@ -115,6 +115,7 @@ class Capture(unittest.TestCase):
             model, data, _ = simulated(40, cone=cone)
             model.opt.noslip_iterations = 20
             (mujoco.mj_step if stepped else mujoco.mj_forward)(model, data)
+            lcpbench.mujoco._warned.clear()
             with self.assertWarnsRegex(UserWarning, "noslip_iterations, which solve no convex problem"):
                 step = lcpbench.mujoco.capture(model, data, soft=True)
             self.assertEqual(model.opt.noslip_iterations, 20)
