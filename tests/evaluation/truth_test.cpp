@@ -129,6 +129,16 @@ TEST(FarkasTest, EveryFormOfTheInertiaHasItsNullSpace) {
   EXPECT_FALSE(proven(FactoredInertia{Matrix::Identity(2, 2), vec({1, 1})}));
 }
 
+// z_1 - z_2 >= 1 + 1e-7 and z_2 - z_1 >= -1: both c_i are 2 and both F_i 1 + 1e-7, so that u = (1, 1) misses by
+// 1e-7 / (2 + 2e-7). Of 0 z >= 1 nothing but the floor 1 counts. The tolerance is the rounding of the data.
+TEST(FarkasTest, TheMarginOfAProofIsRelativeToTheProblemsOwnFloors) {
+  const Lcp close{Matrix{{1.0, -1.0}, {-1.0, 1.0}}, Vector{{-1 - 1e-7, 1.0}}};
+  ASSERT_TRUE(proves_unsolvable(close, Vector{{1, 1}}));
+  EXPECT_NEAR(proof_margin(close, Vector{{1, 1}}), 1e-7 / (2 + 2e-7), 1e-15);
+  const Lcp clear{Matrix{{0.0}}, Vector{{-1.0}}};
+  EXPECT_EQ(proof_margin(clear, Vector{{3.0}}), 1);
+}
+
 TEST(FarkasTest, BareProblemsAreProvenFromTheirMatrix) {
   Matrix M(2, 2);
   M << 1, -1, -1, 1;
