@@ -188,9 +188,10 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (!rests_first && !race(start, limits, answer, report)) return;
   if (answer.claim != Claim::kSolved) return;
   const bool moves = !rests_first && slips(answer);
-  if (moves && !(may_rest_instead(answer) && find_rest(limits, answer, report))) return;
+  if (moves && !may_rest_instead(answer)) return;
+  const bool looked = moves && !find_rest(limits, answer, report);  // what slips may do so by a method's error alone
   // Impulses of pivots are at the bounds of their cones; those of the interior point have room on all sides.
-  if (!settle_at_rest(answer, report)) rests_by_interior_point(limits, answer, report);
+  if (!settle_at_rest(answer, report) && !looked) rests_by_interior_point(limits, answer, report);
   if (rested_) wrong_guesses_ = steps_without_guess_ = 0;
 }
 
