@@ -22,7 +22,7 @@ constexpr double kBoundaryFraction = 0.995;
 constexpr double kShortStep = 0.1;
 constexpr double kCentring = 0.8;
 /// So many steps without the residual falling to a half, or a shorter step than this: the path folds.
-constexpr std::int64_t kMostIdleSteps = 12;
+constexpr std::int64_t kMostIdleSteps = 18;
 constexpr double kShortestStep = 1e-8;
 /// The compliance with which proximal problems begin then, see ProximalNewton::kFirstShare.
 constexpr double kShareAfterFold = 2e-3;
@@ -34,8 +34,9 @@ constexpr double kWorkOfCoordinate = 100, kWorkOfPair = 180;
 /// Mehrotra's predictor-corrector method for contacts with friction, also large sparse ones.
 ///
 /// A *pair* is a multiplier x and a slack s, both positive, whose product falls to zero: f_N and w_N of a contact; each
-/// f_D,k and w_D,k = lambda + d_k'w_T; lambda and mu f_N - sum f_D. Impulses are kept times M_nn, or the contact's
-/// largest M_tt, so that all are speeds and all products tend to one number. A Newton step for all pairs and the
+/// f_D,k and w_D,k = lambda + d_k'w_T; lambda and mu f_N - sum f_D. All impulses are kept in one unit, so that the
+/// products are energies, which all tend to one number: with a unit for each contact a heavy body on a light one takes
+/// many more steps. A Newton step for all pairs and the
 /// momentum, G (u - v) = J f, is eliminated contact by contact: the change of a contact's impulses is a 3 x 3 matrix K,
 /// not symmetric, times that of its velocity, and G + J'K J, of the order of the velocity, is factored by NewtonMatrix.
 /// Without friction the problem is convex. With it the path that the products follow may fold: the steps become short.
@@ -54,14 +55,12 @@ class ContactIpm final : public ProximalNewton {
     const FrictionPolygon* polygon = nullptr;  ///< nullptr: no friction impulse
     Index normal = 0;                          ///< pair of the normal; those of the edges, and that of lambda follow
     double mu = 0;
-    double per_normal = 0, per_tangent = 0;  ///< impulse of a unit of x: 1 / M_nn, 1 / M_tt
+    double stops = 0, stops_slip = 0;        ///< x that stops 1 m/s of approach, of slip, if alone
     double yields = 0, creeps = 0;           ///< r_n, r_t
 
     Index edges() const { return polygon == nullptr ? 0 : polygon->edges(); }
     Index edge(Index k) const { return normal + 1 + k; }
     Index lambda() const { return normal + 1 + edges(); }
-    /// M_nn over M_tt.
-    double ratio() const { return per_tangent / per_normal; }
   };
   /// The elimination of a contact. With y = w_T and w = (w_N, y), changes d: dx_N = at_rest - by_normal dw_N;
   /// d lambda = lambda_at_rest - lambda_by_normal dx_N - lambda_by_slip dy; df_T = friction_at_rest +
@@ -93,6 +92,7 @@ class ContactIpm final : public ProximalNewton {
   Vector missing_;  // what the slacks lack: of each pair s as the impulses and velocities give it, less s
   Vector target_;   // what x s is to become, less x s
   Vector dx_, ds_, predicted_dx_, predicted_ds_;
+  double impulse_ = 1;  ///< of a unit of x
   double work_of_step_ = 0;
   bool is_on_path_ = false;
 };
@@ -105,6 +105,10 @@ void ContactIpm::on_load(const Problem& problem) {
   const Vector& diagonal = state_.columns.diagonal;
   const double largest = diagonal.size() > 0 ? diagonal.maxCoeff() : 0;
   const auto inverse = [largest](double entry) { return 1 / (entry > 0 ? entry : largest > 0 ? largest : 1); };
+  // The geometric mean of 1 / M_nn: about what stops 1 m/s at a contact.
+  double logarithms = 0;
+  for (Index i = 0; i < state_.contacts; ++i) logarithms += std::log(inverse(diagonal(i)));
+  impulse_ = std::exp(logarithms / static_cast<double>(std::max<Index>(state_.contacts, 1)));
   Index pairs = 0;
   work_of_step_ = 0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -112,12 +116,12 @@ void ContactIpm::on_load(const Problem& problem) {
     Contact& contact = contacts_[i];
     contact.normal = pairs;
     contact.mu = state_.mu(index);
-    contact.per_normal = inverse(diagonal(index));
+    contact.stops = inverse(diagonal(index)) / impulse_;
     if (state_.compliance.size() > 0) contact.yields = state_.compliance(index);
     if (contact.mu > 0) contact.polygon = polygons_.of(i);
     if (contact.polygon != nullptr) {
       const SignedFriction& own = state_.frictions[static_cast<std::size_t>(rows_[i].friction)];
-      contact.per_tangent = inverse(diagonal.segment(own.first_column, own.directions).maxCoeff());
+      contact.stops_slip = inverse(diagonal.segment(own.first_column, own.directions).maxCoeff()) / impulse_;
       if (state_.compliance_t.size() > 0) contact.creeps = state_.compliance_t(index);
     }
     const Index own_pairs = contact.polygon == nullptr ? 1 : contact.edges() + 2;
@@ -146,8 +150,8 @@ Eigen::Vector3d ContactIpm::velocity(std::size_t contact) const {
 }
 
 /// The velocity before the impact, and at each contact the impulses that would stop it alone, as far as friction can.
-/// Slacks are at least the largest approach or slip, and so are normal impulses, in the same unit, but where a contact
-/// is open by more: smaller ones take more steps.
+/// Slacks are at least the largest approach or slip, and normal impulses what stops it, but where a contact is open by
+/// more: smaller ones take more steps.
 void ContactIpm::set_start() {
   now_at_.velocity = state_.u0;
   const double least = state_.speed;
@@ -155,25 +159,25 @@ void ContactIpm::set_start() {
     const Contact& contact = contacts_[i];
     const Eigen::Vector3d w = velocity(i);
     s_(contact.normal) = std::max(std::abs(w(0)), least);
-    x_(contact.normal) = least * (least / s_(contact.normal));
+    x_(contact.normal) = contact.stops * least * (least / s_(contact.normal));
     if (contact.polygon == nullptr) continue;
     const Eigen::Vector2d slip = w.tail<2>();
     const auto edges = static_cast<double>(contact.edges());
-    const double most = contact.mu * x_(contact.normal) / contact.ratio();  // sum of x of the edges
-    const double part = std::min(1.0, kUsedCone / 2 * most / slip.norm());
+    const double most = contact.mu * x_(contact.normal);  // sum of x of the edges
+    const double part = std::min(1.0, kUsedCone / 2 * most / (contact.stops_slip * slip.norm()));
     double lambda = least, sum = 0;
     for (Index k = 0; k < contact.edges(); ++k) {
       const double along = -contact.polygon->direction(k).dot(slip);
       lambda = std::max(lambda, along + least);
-      const double stops = 2 / edges * part * along;
-      x_(contact.edge(k)) = kUsedCone / 2 * most / edges + std::max(stops, 0.0);
+      const double stop = 2 / edges * part * contact.stops_slip * along;
+      x_(contact.edge(k)) = kUsedCone / 2 * most / edges + std::max(stop, 0.0);
       sum += x_(contact.edge(k));
     }
     for (Index k = 0; k < contact.edges(); ++k) {
       s_(contact.edge(k)) = std::max(lambda + contact.polygon->direction(k).dot(slip), least);
     }
     x_(contact.lambda()) = lambda;
-    s_(contact.lambda()) = contact.ratio() * std::max(most - sum, 0.1 * most);
+    s_(contact.lambda()) = std::max(most - sum, 0.1 * most);
   }
 }
 
@@ -185,10 +189,10 @@ void ContactIpm::evaluate() {
     const Contact& contact = contacts_[i];
     auto impulse = now_at_.impulse.col(static_cast<Index>(i));
     impulse.setZero();
-    impulse(0) = contact.per_normal * x_(contact.normal);
+    impulse(0) = impulse_ * x_(contact.normal);
     double sum = 0;
     for (Index k = 0; k < contact.edges(); ++k) {
-      impulse.tail<2>() += contact.per_tangent * x_(contact.edge(k)) * contact.polygon->direction(k);
+      impulse.tail<2>() += impulse_ * x_(contact.edge(k)) * contact.polygon->direction(k);
       sum += x_(contact.edge(k));
     }
     rows_[i].add_momentum(-impulse, now_at_.momentum);
@@ -200,7 +204,7 @@ void ContactIpm::evaluate() {
     for (Index k = 0; k < contact.edges(); ++k) {
       missing_(contact.edge(k)) = x_(lambda) + contact.polygon->direction(k).dot(slip) - s_(contact.edge(k));
     }
-    missing_(lambda) = contact.mu * x_(contact.normal) - contact.ratio() * sum - s_(lambda);
+    missing_(lambda) = contact.mu * x_(contact.normal) - sum - s_(lambda);
   }
 }
 
@@ -210,9 +214,9 @@ void ContactIpm::eliminate(std::size_t index) {
   Elimination& of = eliminations_[index];
   Eigen::Matrix3d& K = now_at_.slope[index];
   const double x = x_(contact.normal);
-  of.by_normal = x / (s_(contact.normal) + contact.yields * contact.per_normal * x);
+  of.by_normal = x / (s_(contact.normal) + contact.yields * impulse_ * x);
   K.setZero();
-  K(0, 0) = contact.per_normal * of.by_normal;
+  K(0, 0) = impulse_ * of.by_normal;
   if (contact.polygon == nullptr) return;
   double sum = 0;
   of.edges_sum.setZero();
@@ -225,12 +229,12 @@ void ContactIpm::eliminate(std::size_t index) {
     of.friction_by_slip += weight * direction * direction.transpose();
   }
   const double lambda = x_(contact.lambda());
-  of.lambda_divisor = s_(contact.lambda()) + lambda * contact.ratio() * sum;
+  of.lambda_divisor = s_(contact.lambda()) + lambda * sum;
   of.lambda_by_normal = contact.mu * lambda / of.lambda_divisor;
-  of.lambda_by_edges = contact.ratio() * lambda / of.lambda_divisor;
+  of.lambda_by_edges = lambda / of.lambda_divisor;
   of.friction_by_slip -= of.lambda_by_edges * of.edges_sum * of.edges_sum.transpose();
-  of.friction_by_slip *= contact.per_tangent;
-  of.friction_by_normal = contact.per_tangent * of.lambda_by_normal * of.edges_sum;
+  of.friction_by_slip *= impulse_;
+  of.friction_by_normal = impulse_ * of.lambda_by_normal * of.edges_sum;
   of.creep = Eigen::Matrix2d::Identity();
   if (contact.creeps > 0) of.creep = (of.creep + contact.creeps * of.friction_by_slip).inverse().eval();
   K.bottomLeftCorner<2, 1>() = of.by_normal * of.creep * of.friction_by_normal;
@@ -251,8 +255,8 @@ Eigen::Vector3d ContactIpm::constant_impulse(std::size_t index) {
   Elimination& of = eliminations_[index];
   const Index normal = contact.normal, lambda = contact.lambda();
   of.at_rest = (target_(normal) - x_(normal) * missing_(normal)) /
-               (s_(normal) + contact.yields * contact.per_normal * x_(normal));
-  Eigen::Vector3d impulse(contact.per_normal * of.at_rest, 0, 0);
+               (s_(normal) + contact.yields * impulse_ * x_(normal));
+  Eigen::Vector3d impulse(impulse_ * of.at_rest, 0, 0);
   if (contact.polygon == nullptr) return impulse;
   double sum = 0;
   Eigen::Vector2d along = Eigen::Vector2d::Zero();
@@ -263,7 +267,7 @@ Eigen::Vector3d ContactIpm::constant_impulse(std::size_t index) {
     along += own * contact.polygon->direction(k);
   }
   of.lambda_at_rest = (target_(lambda) - x_(lambda) * missing_(lambda)) / of.lambda_divisor + of.lambda_by_edges * sum;
-  of.friction_at_rest = contact.per_tangent * (along - of.lambda_at_rest * of.edges_sum);
+  of.friction_at_rest = impulse_ * (along - of.lambda_at_rest * of.edges_sum);
   impulse.tail<2>() = of.creep * (of.friction_at_rest + of.at_rest * of.friction_by_normal);
   return impulse;
 }
@@ -279,7 +283,7 @@ void ContactIpm::find_direction(Vector& dx, Vector& ds) {
     const Index normal = contact.normal, lambda = contact.lambda();
     const Eigen::Vector3d w = rows_[i].velocity(step_);
     dx(normal) = of.at_rest - of.by_normal * w(0);
-    ds(normal) = w(0) + contact.yields * contact.per_normal * dx(normal) + missing_(normal);
+    ds(normal) = w(0) + contact.yields * impulse_ * dx(normal) + missing_(normal);
     if (contact.polygon == nullptr) continue;
     Eigen::Vector2d slip = w.tail<2>();
     if (contact.creeps > 0) {
@@ -294,7 +298,7 @@ void ContactIpm::find_direction(Vector& dx, Vector& ds) {
       dx(edge) = (target_(edge) - x_(edge) * ds(edge)) / s_(edge);
       sum += dx(edge);
     }
-    ds(lambda) = contact.mu * dx(normal) - contact.ratio() * sum + missing_(lambda);
+    ds(lambda) = contact.mu * dx(normal) - sum + missing_(lambda);
   }
 }
 
