@@ -10,7 +10,7 @@ export GIT_AUTHOR_NAME=t GIT_AUTHOR_EMAIL=t@t GIT_COMMITTER_NAME=t GIT_COMMITTER
 git init -q .
 commit() { git add -A && git commit -qm "$1"; }
 echo 1 > native/a.cpp && commit code
-printf '{"readme": {\n  "commit": "%s"\n}}\n' "$(git rev-parse HEAD)" > results/measured.json && commit times
+printf '{\n  "readme": {"commit": "%s", "date": "today"},\n  "replay": {"commit": "0"}\n}\n' "$(git rev-parse HEAD)" > results/measured.json && commit times
 results/age.sh | grep -q ' 0 commits changed' || { echo "fresh times are called old"; exit 1; }
 echo 2 > native/a.cpp && commit 'other code'
 if results/age.sh > said; then echo "old times are not refused"; exit 1; fi

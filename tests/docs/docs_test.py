@@ -194,19 +194,22 @@ def length(metres):
 
 def way(row, lost):
     """How far moved what should not, or sank, and the processor time for a second of the scene."""
-    metres = row["slip_m"] or row["drift_m"] or row["deepest_m"]
+    metres = row["slip_m"] or row["drift_m"] or row["deepest_m"] or "nan"
     time = f", {seconds(row['cpu_s_per_s'])}" if row["cpu_s_per_s"] else ""  # an engine may tell none
     return (lost if int(row["survived"]) < int(row["steps"]) else length(float(metres))) + time
 
 
 def steps_table():
     """What a second of a scene becomes, and what it costs, in the ways of results/replay/steps.py, for the README."""
-    with open(ROOT / "results/replay/steps.csv", newline="") as file:
-        rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
+    rows = {}
+    for table in ("steps", "box3d"):  # Box3D was measured by itself: results/replay/README.md
+        with open(ROOT / f"results/replay/{table}.csv", newline="") as file:
+            rows |= {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
     scenes = {"pyramid-55": "55-cube pyramid", "wall": "wall", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper", "box-pile": "falling pile"}
     names = {("exact", "ODE"): "`auto`", ("exact{solver=auto{error=1e-04}}", "ODE"): "`auto{{error=1e-4}}`",
              ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps", ("sequential_impulses{iterations=50}", "ODE"): "the same, 50 sweeps",
-             ("engine", "Bullet"): "Bullet {} as shipped", ("engine", "DART"): "DART {} as shipped", ("engine", "MuJoCo"): "MuJoCo {} as shipped"}
+             ("engine", "Bullet"): "Bullet {} as shipped", ("engine", "DART"): "DART {} as shipped", ("engine", "MuJoCo"): "MuJoCo {} as shipped",
+             ("engine", "Box3D"): "Box3D {} as shipped (62c87b7f, another machine)"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
     for (stepper, engine), name in names.items():
         cells = [rows.get((scene, stepper, engine)) for scene in scenes]
