@@ -3,12 +3,11 @@
 
 All settings are MuJoCo's defaults; nothing sleeps. `solve_s` is the processor time of the whole step.
 """
-import json
-import sys
 import time
 
 import mujoco
 import numpy as np
+import peer
 
 
 class Engine:
@@ -76,12 +75,4 @@ class Engine:
         return found
 
 
-for line in sys.stdin:
-    question = json.loads(line)
-    verb = question.pop("verb")
-    if verb == "scene":
-        engine = Engine(question)
-        answer = dict(engine="MuJoCo", version=mujoco.__version__)
-    else:
-        answer = engine.step(**question) if verb == "step" else engine.place(**question)
-    print(json.dumps(answer), flush=True)
+peer.serve_engine("MuJoCo", mujoco.__version__, Engine)

@@ -1,4 +1,4 @@
-"""What the peers share: the external protocol of lcpbench (docs/reference/external.md), and contacts as arrays."""
+"""What the peers share: the external protocols of lcpbench (docs/reference/external.md), and contacts as arrays."""
 import json
 import os
 import sys
@@ -165,3 +165,16 @@ class Contacts:
         slip = self.D.T @ self.after(f)
         bounds = [max(0.0, -slip[a - self.nc : b - self.nc].min()) for a, b in zip(self.begin, self.begin[1:]) if b > a]
         return [*map(float, f), *map(float, bounds)]
+
+
+def serve_engine(name, version, Engine):
+    """Answers line by line as an engine that steps scenes: Engine(scene), its place(...) and its step(...)."""
+    for line in sys.stdin:
+        question = json.loads(line)
+        verb = question.pop("verb")
+        if verb == "scene":
+            engine = Engine(question)
+            answer = dict(engine=name, version=version)
+        else:
+            answer = engine.step(**question) if verb == "step" else engine.place(**question)
+        print(json.dumps(answer), file=out, flush=True)

@@ -5,10 +5,10 @@ rapier_engine.py [coulomb]: all settings are Rapier's, but for sleep, of which t
 tells no impulses of friction: with `coulomb`, Rapier's other model, a step has the engine's impulses.
 """
 import importlib.metadata
-import json
 import sys
 
 import numpy as np
+import peer
 import rapier3d as rapier
 from scipy.spatial.transform import Rotation
 
@@ -84,12 +84,4 @@ class Engine:
         return found
 
 
-for line in sys.stdin:
-    question = json.loads(line)
-    verb = question.pop("verb")
-    if verb == "scene":
-        engine = Engine(question)
-        answer = dict(engine="Rapier", version=importlib.metadata.version("rapier3d"))
-    else:
-        answer = engine.step(**question) if verb == "step" else engine.place(**question)
-    print(json.dumps(answer), flush=True)
+peer.serve_engine("Rapier", importlib.metadata.version("rapier3d"), Engine)
