@@ -214,11 +214,14 @@ TEST_F(ViewCommand, SaysWhatIsWrongWithItsInput) {
   copy_of("scene/stack/ode", "stack.scenes");
   write_problem_of("lcp.json", kOneRow);
   fs::create_directories(folder_ / "empty");
+  write("hull.scenes", R"({"format":"lcpbench-scenes","version":1,"scene":"s","shapes":[)"
+                       R"({"body":0,"type":"hull","size":[1,2,3,4]}]})");
   const std::pair<const char*, const char*> cases[] = {
       {"none.scenes#1", "lcpbench: none.scenes: no such file\n"},
       {"stack.scenes#99999", "has no step 99999; the one before is"},
       {"stack.scenes", "name one, as 'stack.scenes#"},
       {"lcp.json", "lcp.json: is a bare LCP"},
+      {"hull.scenes#0", "lcpbench: hull.scenes: line 1: shapes[0].size: 4 entries, expected three for each of 4 to 256"},
       {"empty", "replays.json: cannot be read"},
       {"'stack.scenes#0' --solver nothing", "unknown solver 'nothing'"},
       {"'stack.scenes#0' --out none/page.html", "none/page.html: cannot be written"}};
