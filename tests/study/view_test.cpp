@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -260,6 +261,37 @@ TEST_F(ViewCommand, TheReportHasStepsWithAVerifiedAnswerAndOneThatFailed) {
   EXPECT_GE(views[0]["answers"][1]["error_m_per_s"], views[1]["answers"][1]["error_m_per_s"]);
   EXPECT_EQ(stored_step_views(store, 1).size(), 1u);
   EXPECT_TRUE(stored_step_views(store, 6, 1000).empty());
+}
+
+/// From the file through the store to each place where a user reads results.
+TEST_F(ViewCommand, TheReportCountsHowProblemsDifferFromTheStepsOfTheEngine) {
+  Cube cube;
+  cube.step.problem = Problem("cube", cube.scene);
+  const std::vector<std::string> notes[] = {
+      {"ropes, left out: 2", "springs: as forces: 1"}, {}, {"springs: as forces: 3", "wind, without a number"}};
+  ScenesWriter writer((folder_ / "cube.scenes").string(), cube.header);
+  for (cube.step.step = 0; cube.step.step < 3; ++cube.step.step) {
+    cube.step.notes = notes[cube.step.step];
+    writer.add(cube.step);
+  }
+  writer.close();
+  const std::string sentence =
+      "2 captured problems differ from the steps that their engines took, counted over all: ropes, left out: 2; "
+      "springs: as forces: 4; wind, without a number: 1.";
+  done("run --set file:cube.scenes --solver auto --store all.db");
+  EXPECT_TRUE(contains(std::regex_replace(read("out"), std::regex("\\s+"), " "), sentence)) << read("out");
+  done("report all.db --out report");
+  EXPECT_EQ(json::parse(read("report/report.json"))["notes"], json({sentence}));
+  const json counts = {{"ropes, left out", 2}, {"springs: as forces", 4}, {"wind, without a number", 1}};
+  EXPECT_EQ(json::parse(read("report/summary.json"))["differences"], (json{{"problems", 2}, {"counts", counts}}));
+
+  done("run --set 'file:cube.scenes#2' --solver auto --store one.db");
+  done("merge both.db one.db all.db --mixed");
+  done("report both.db --out report");
+  EXPECT_EQ(json::parse(read("report/summary.json"))["differences"]["counts"]["springs: as forces"], 7);
+  const json shown = run_json("view 'cube.scenes#0' --solver auto")["scenes"][0]["notes"];
+  EXPECT_EQ(shown, json({"The problem differs from the step that the engine took: ropes, left out: 2; springs: as "
+                         "forces: 1."}));
 }
 
 }  // namespace
