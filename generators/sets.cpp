@@ -171,6 +171,12 @@ std::vector<fs::path> problem_files(const fs::path& path) {
   return files;
 }
 
+TimeStep time_step(SceneStep step) {
+  TimeStep result{std::move(step.problem), {}, std::move(step.notes)};
+  for (const std::string& id : step.contact_ids) result.contact_ids.push_back(contact_id(id));
+  return result;
+}
+
 class FileSet final : public ProblemSet {
  public:
   explicit FileSet(const std::string& path) : name_(std::string(kFilePrefix) + path), files_(problem_files(path)) {}
@@ -178,6 +184,12 @@ class FileSet final : public ProblemSet {
   std::string name() const override { return name_; }
   Problem generate(std::uint64_t, std::int64_t trial) const override {
     return read_problem(files_[checked_trial(name_, trial, count())]);
+  }
+  TimeStep step(std::uint64_t seed, std::int64_t trial) const override {
+    const auto captured = scenes_step(files_[checked_trial(name_, trial, count())].string());
+    if (!captured) return ProblemSet::step(seed, trial);
+    const ScenesFile scenes(captured->first);
+    return time_step(scenes.read(scenes.index_of(captured->second)));
   }
   std::optional<std::int64_t> count() const override { return static_cast<std::int64_t>(files_.size()); }
 
@@ -201,10 +213,7 @@ class ScenesSet final : public ProblemSet {
     return scenes_->read(checked_trial(name_, trial, count())).problem;
   }
   TimeStep step(std::uint64_t, std::int64_t trial) const override {
-    SceneStep step = scenes_->read(checked_trial(name_, trial, count()));
-    TimeStep result{std::move(step.problem), {}};
-    for (const std::string& id : step.contact_ids) result.contact_ids.push_back(contact_id(id));
-    return result;
+    return time_step(scenes_->read(checked_trial(name_, trial, count())));
   }
   bool follows(std::int64_t trial) const override {
     const std::uint64_t index = checked_trial(name_, trial, count());

@@ -18,6 +18,7 @@ namespace lcpbench {
 struct TimeStep {
   Problem problem;
   std::vector<ContactId> contact_ids;  ///< what each contact is called, also in the step before; empty: not known
+  std::vector<std::string> notes;      ///< how it differs from the step of the engine, each as "what: how many"
 };
 
 /// A family of problems, each a function of (set with its options, seed, trial) alone: the same bits on every machine,
@@ -29,8 +30,8 @@ class ProblemSet {
   virtual std::string name() const = 0;
   /// Trial >= 0 of the stream `seed`. Thread-safe. @throws InputError when trial >= count().
   virtual Problem generate(std::uint64_t seed, std::int64_t trial) const = 0;
-  /// The same with the names of its contacts. Thread-safe.
-  virtual TimeStep step(std::uint64_t seed, std::int64_t trial) const { return {generate(seed, trial), {}}; }
+  /// The same with what a captured step says of it. Thread-safe.
+  virtual TimeStep step(std::uint64_t seed, std::int64_t trial) const { return {generate(seed, trial), {}, {}}; }
   /// Whether trial `trial` is the time step after that of trial - 1.
   virtual bool follows(std::int64_t /*trial*/) const { return false; }
   /// How many problems there are, where that is finite (files); nullopt for random sets.

@@ -74,6 +74,48 @@ Model model_of(const Scene& scene, const std::string& file) {
   return model;
 }
 
+/// Unit vectors that are spread evenly, as lcpbench/mujoco.py has them.
+Eigen::Matrix3Xd sphere() {
+  constexpr int kCount = 64;
+  const double turn = M_PI * (3 - std::sqrt(5.0));
+  Eigen::Matrix3Xd points(3, kCount);
+  for (int i = 0; i < kCount; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kCount, r = std::sqrt(1 - z * z);
+    points.col(i) << r * std::cos(turn * i), r * std::sin(turn * i), z;
+  }
+  return points;
+}
+
+/// Of many points those that lie farthest in the directions of sphere(), in units of the box around them.
+Eigen::Matrix3Xd farthest(const Eigen::Matrix3Xd& points) {
+  Eigen::Matrix3Xd directions = sphere();
+  if (points.cols() <= directions.cols()) return points;
+  const Vector3d extent = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+  directions = extent.cwiseMax(1e-9 * extent.maxCoeff()).cwiseInverse().asDiagonal() * directions;
+  std::set<Eigen::Index> found;
+  for (const auto& direction : directions.colwise()) {
+    Eigen::Index index = 0;
+    (direction.transpose() * points).maxCoeff(&index);
+    found.insert(index);
+  }
+  Eigen::Matrix3Xd result(3, std::max<std::size_t>(4, found.size()));  // of flat ones some stand twice
+  auto next = found.begin();
+  for (auto column : result.colwise()) {
+    if (next == found.end()) next = found.begin();
+    column = points.col(*next++);
+  }
+  return result;
+}
+
+/// The convex hull of these corners, with four digits: files stay small.
+Drawn hull(const Eigen::Matrix3Xd& corners) {
+  Drawn drawn{.type = "hull", .size = {}};
+  for (const double each : corners.reshaped()) {
+    drawn.size.push_back(std::strtod(fmt::format("{:.4g}", each).c_str(), nullptr));
+  }
+  return drawn;
+}
+
 /// Runs a scene, or a model file of MuJoCo's, and captures each step as a contact problem, in SI units. Ordinarily
 /// contacts and limits are hard and equality constraints hold exactly, so that MuJoCo's own velocity solves another,
 /// softer problem. With Scene::soft it is the convex problem that MuJoCo solves. The integrator is Euler's. What else
@@ -126,8 +168,10 @@ class MujocoEngine final : public Engine {
         case mjGEOM_BOX: result.push_back({"box", {size[0], size[1], size[2]}}); break;
         case mjGEOM_CAPSULE: result.push_back({"capsule", {size[0], size[1]}}); break;
         case mjGEOM_CYLINDER: result.push_back({"cylinder", {size[0], size[1]}}); break;
-        // Ellipsoids and meshes are drawn as the sphere around them.
-        default: result.push_back({"sphere", {model_->geom_rbound[geom]}});
+        case mjGEOM_ELLIPSOID: result.push_back(hull(vector(size).asDiagonal() * sphere())); break;
+        case mjGEOM_MESH: result.push_back(hull(farthest(mesh_of(geom)))); break;
+        case mjGEOM_HFIELD: result.push_back(hull(box_around_field(geom))); break;
+        default: result.push_back({"sphere", {size[0]}});
       }
     }
     return result;
@@ -178,6 +222,23 @@ class MujocoEngine final : public Engine {
   }
 
  private:
+  Eigen::Matrix3Xd mesh_of(int geom) const {
+    const int mesh = model_->geom_dataid[geom];
+    return Eigen::Map<const Eigen::Matrix3Xf>(model_->mesh_vert + 3 * model_->mesh_vertadr[mesh], 3,
+                                              model_->mesh_vertnum[mesh])
+        .cast<double>();
+  }
+
+  Eigen::Matrix3Xd box_around_field(int geom) const {
+    const mjtNum* const size = model_->hfield_size + 4 * model_->geom_dataid[geom];  // half lengths, top, depth
+    Eigen::Matrix3Xd corners(3, 8);
+    for (int i = 0; i < 8; ++i) {
+      corners.col(i) << ((i & 1) != 0 ? size[0] : -size[0]), ((i & 2) != 0 ? size[1] : -size[1]),
+          ((i & 4) != 0 ? size[2] : -size[3]);
+    }
+    return corners;
+  }
+
   /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid, and each
   /// joint's limit, is a frictionless contact with the compliance R of its row. Its force f asks that
   /// J a - a_ref + R f >= 0. With a = (v+ - v) / h, times h, this is J v+ + b + R (h f) >= 0 with the offset

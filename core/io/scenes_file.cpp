@@ -45,6 +45,7 @@ ScenesHeader parse_header(const std::string& text, const std::string& origin) {
   for (const JsonObject& shape : reader.objects("shapes")) {
     shape.only({"body", "type", "size"});
     header.shapes.push_back({shape.integer("body"), shape.text("type"), entries(shape.vector("size"))});
+    if (const std::string fault = header.shapes.back().fault(); !fault.empty()) shape.fail("size", ": " + fault);
   }
   return header;
 }
@@ -122,6 +123,13 @@ SceneStep parse_step(std::string_view text, const std::string& origin) {
 }
 
 }  // namespace
+
+std::string SceneShape::fault() const {
+  constexpr std::size_t kMostCorners = 256;
+  if (type != "hull" || (size.size() % 3 == 0 && size.size() / 3 >= 4 && size.size() / 3 <= kMostCorners)) return "";
+  return count_of(static_cast<Index>(size.size()), "entry") + ", expected three for each of 4 to " +
+         std::to_string(kMostCorners) + " corners of the hull";
+}
 
 ScenesFile::ScenesFile(LineStream stream, const std::string& origin) : stream_(std::move(stream)), origin_(origin) {
   LineStream::Line line;

@@ -18,8 +18,12 @@ namespace lcpbench {
 /// A body's shape, for pictures: its kind and its measures, in the body's frame.
 struct SceneShape {
   int body = -1;     ///< -1: the world
-  std::string type;  ///< "box", "sphere", "capsule", "cylinder", "plane", ...
+  std::string type;  ///< "box", "sphere", "capsule", "cylinder", "plane", "hull", ...
   std::vector<double> size;
+
+  /// Empty, or what is wrong with the size of a hull. A file may hold other shapes of any size, of which only those are
+  /// drawn that are as docs/reference/scenes-file.md says.
+  std::string fault() const;
 };
 
 /// The first line of a scenes file: what holds for all its steps.

@@ -48,6 +48,7 @@ void check_header(const ScenesHeader& header, const std::string& origin) {
   for (const SceneShape& shape : header.shapes) {
     check_text("shapes: type", shape.type);
     check_finite(origin, "shapes: size", shape.size);
+    if (const std::string fault = shape.fault(); !fault.empty()) throw input_error(origin, "shapes: size: " + fault);
   }
 }
 

@@ -55,7 +55,8 @@ static inline lcpbench_capture* lcpbench_capture_open(const char* file, const ch
 static inline void lcpbench_capture_loop(lcpbench_capture* c, const char* loop);
 static inline void lcpbench_capture_gravity(lcpbench_capture* c, const double gravity[3]);
 /* A shape of a body (-1: of the world), for pictures, in the body's frame: "box" with its three half lengths, "sphere"
- * with its radius, "capsule" and "cylinder" with radius and half length (along z), "plane" with normal and offset. */
+ * with its radius, "capsule" and "cylinder" with radius and half length (along z), "plane" with normal and offset,
+ * "hull" with x, y, z of 4 to 256 corners, which is drawn as their convex hull. */
 static inline void lcpbench_capture_shape(lcpbench_capture* c, int body, const char* type, const double* size, int n);
 
 /* Begins a step. Steps are not negative and must ascend. */
@@ -384,6 +385,9 @@ static inline void lcpbench_capture_shape(lcpbench_capture* c, int body, const c
   if (!lcpbench_in_header_(c)) return;
   shapes = &c->text[LCPBENCH_SHAPES_];
   before = shapes->size;
+  if (type != NULL && strcmp(type, "hull") == 0 && (n % 3 != 0 || n < 3 * 4 || n > 3 * 256)) {
+    lcpbench_fail_(c, "shapes: a hull has three numbers for each of 4 to 256 corners");
+  }
   lcpbench_next_(c, shapes);
   lcpbench_add_(c, shapes, "{\"body\":");
   lcpbench_integer_(c, shapes, body);

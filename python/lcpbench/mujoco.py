@@ -14,6 +14,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import ctypes
+import itertools
 import pathlib
 import sys
 import warnings
@@ -271,12 +272,8 @@ def _frames(data: Any, rows: np.ndarray) -> np.ndarray:
     return result
 
 
-def _seen(model: Any, data: Any) -> dict[str, Any]:
-    poses = np.hstack([data.geom_xpos, data.geom_xmat])
-    if model.nmesh or model.nhfield:  # of these the middle of the box around them
-        for i in np.flatnonzero(model.geom_aabb[:, :3].any(axis=1) & (model.geom_type > 0)):
-            poses[i, :3] += poses[i, 3:].reshape(3, 3) @ model.geom_aabb[i, :3]
-    return dict(time=float(data.time), poses=poses)
+def _seen(data: Any) -> dict[str, Any]:
+    return dict(time=float(data.time), poses=np.hstack([data.geom_xpos, data.geom_xmat]))
 
 
 def _null_space(data: Any, J: np.ndarray) -> np.ndarray | None:
@@ -292,21 +289,55 @@ def _null_space(data: Any, J: np.ndarray) -> np.ndarray | None:
     return V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
 
 
+def _sphere(count: int = 64) -> np.ndarray:
+    """Unit vectors that are spread evenly."""
+    i = np.arange(count)
+    z, turn = 1 - (2 * i + 1) / count, np.pi * (3 - np.sqrt(5)) * i
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)
+
+
+def _farthest(points: np.ndarray) -> np.ndarray:
+    """Of many points those that lie farthest in the directions of _sphere(), in units of the box around them."""
+    directions = _sphere()
+    if len(points) <= len(directions):
+        return points
+    extent = np.ptp(points, axis=0)
+    directions /= np.maximum(extent, 1e-9 * extent.max())
+    found = points[np.unique(np.argmax(points @ directions.T, axis=0))]
+    return np.resize(found, (max(4, len(found)), 3))  # of flat ones some stand twice
+
+
+def _corners(model: Any, geom: int) -> np.ndarray:
+    """Of the convex hull that a geometry is drawn as."""
+    import mujoco
+
+    kind, index = model.geom_type[geom], model.geom_dataid[geom]
+    if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+        return model.geom_size[geom] * _sphere()
+    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+        first = model.mesh_vertadr[index]
+        return _farthest(model.mesh_vert[first : first + model.mesh_vertnum[index]].astype(float))
+    return model.geom_aabb[geom, :3] + model.geom_aabb[geom, 3:] * list(itertools.product((-1, 1), repeat=3))
+
+
 def shapes(model: Any) -> list[tuple[int, str, tuple[float, ...]]]:
-    """For pictures: (body, type, size) of each geometry, as `lcpbench.Recorder` takes them. Ellipsoids, meshes and height
-    fields are the box around them. Of a body that has geometries which can touch others, these alone are drawn.
+    """For pictures: (body, type, size) of each geometry, as `lcpbench.Recorder` takes them. Meshes and ellipsoids are convex
+    hulls of at most 64 corners, height fields the box around them. Of a body that has geometries which can touch others,
+    these alone are drawn.
 
     Args:
         model: an MjModel.
     """
     kinds = {0: ("plane", lambda size: (0.0, 0.0, 1.0, 0.0)), 2: ("sphere", lambda size: size[:1]),
-             3: ("capsule", lambda size: size[:2]), 5: ("cylinder", lambda size: size[:2])}
+             3: ("capsule", lambda size: size[:2]), 5: ("cylinder", lambda size: size[:2]), 6: ("box", lambda size: size)}
     touches = (model.geom_contype | model.geom_conaffinity) != 0
     drawn = touches | ~np.isin(model.geom_bodyid, model.geom_bodyid[touches])
     result = []
     for i in np.flatnonzero(drawn):
-        name, of = kinds.get(int(model.geom_type[i]), ("box", None))
-        result.append((int(i), name, tuple(map(float, of(model.geom_size[i]) if of else model.geom_aabb[i, 3:]))))
+        name, of = kinds.get(int(model.geom_type[i]), ("hull", None))
+        size = of(model.geom_size[i]) if of else [f"{each:.4g}" for each in _corners(model, i).ravel()]  # a small file
+        result.append((int(i), name, tuple(map(float, size))))
     return result
 
 
@@ -372,7 +403,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, n
         problem._engine_model = "convex"
     return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
                 velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), notes=notes,
-                **_seen(model, data))
+                **_seen(data))
 
 
 def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
@@ -439,7 +470,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         G, qvel, h, Z, name)
     return Step(Problem._of(problem), gap=gap, contact_ids=_row_ids(model, data, rows),
                 impulses=impulses.reshape(-1, 3), velocity=velocity if stepped else None,
-                contact_frames=frames.reshape(-1, 9), notes=notes.texts, **_seen(model, data))
+                contact_frames=frames.reshape(-1, 9), notes=notes.texts, **_seen(data))
 
 
 class Recorder(_files.Recorder):

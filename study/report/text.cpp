@@ -87,8 +87,19 @@ std::string truth_text(const Summary& summary) {
   return text + (text.empty() ? "" : " ") + "Said unsolvable, and there is a solution:" + names + ".";
 }
 
+std::string difference_text(const Summary& summary) {
+  std::string text;
+  for (const auto& [what, count] : summary.differences) {
+    text += fmt::format("{} {}: {}", text.empty() ? "" : ";", printable(what), count);
+  }
+  if (text.empty()) return "";
+  return fmt::format("{} from the steps that {} took, counted over all:{}.",
+                     counted(summary.differing, "captured problem") + (summary.differing == 1 ? " differs" : " differ"),
+                     summary.differing == 1 ? "its engine" : "their engines", text);
+}
+
 std::vector<std::string> notes(const Summary& summary) {
-  std::vector<std::string> notes{soft_engine_note(summary), truth_text(summary)};
+  std::vector<std::string> notes{soft_engine_note(summary), truth_text(summary), difference_text(summary)};
   std::erase(notes, "");
   return notes;
 }

@@ -36,7 +36,11 @@ std::string plan_share_text(double share);
 /// What a store lacks of what its runs planned, for the terminal: whole lines; "" for a store that holds all.
 std::string coverage_text(const Coverage& coverage);
 
-/// Notes at the top of report.html: soft_engine_note() (study/report/sets.h) and truth_text(), each unless empty.
+/// In what captured problems differ from the steps that their engines took, and how often. A sentence, "" for none.
+std::string difference_text(const Summary& summary);
+
+/// Notes at the top of report.html: soft_engine_note() (study/report/sets.h), truth_text() and difference_text(), each
+/// unless empty.
 std::vector<std::string> notes(const Summary& summary);
 
 }  // namespace lcpbench::report

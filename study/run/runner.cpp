@@ -12,6 +12,7 @@
 
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
+#include "core/io/json_document.h"
 #include "core/io/problem_io.h"
 #include "core/parallel_work.h"
 #include "core/warm_start.h"
@@ -93,8 +94,9 @@ class RowMaker {
   bool certificate_kept_ = false;
 };
 
-ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int64_t trial, const Problem& problem,
+ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int64_t trial, const TimeStep& step,
                        bool solvable_by_theory) {
+  const Problem& problem = step.problem;
   ProblemRow row;
   row.id = problem_id(set_name, seed, trial);
   row.set_id = set_id(set_name);
@@ -109,6 +111,7 @@ ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int
   row.free_bodies = has_free_bodies(problem);
   row.hash = problem_hash(problem);
   row.theory = solvable_by_theory ? "solvable" : "";
+  row.notes = Json(step.notes).dump();
   return row;
 }
 
@@ -159,7 +162,7 @@ class Worker {
     const Problem& problem = step.problem;
     Batch batch{.set = set_number};
     RowMaker rows(problem, certifier_, study_.solved_at, batch);
-    batch.result.problem = problem_row(set.name(), study_.seed, trial, problem, rows.solvable_by_theory());
+    batch.result.problem = problem_row(set.name(), study_.seed, trial, step, rows.solvable_by_theory());
     Clock::time_point handed_over = Clock::now();
     for (const std::size_t solver : solvers) {
       if (work_.stopped()) break;

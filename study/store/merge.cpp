@@ -81,7 +81,7 @@ const std::vector<Table>& tables() {
        "(SELECT name || ' ' || sweep FROM solvers WHERE id = m.solver_id) || ' cell ' || m.cell"},
       {kProblems,
        {"id"},
-       {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "free_bodies", "hash", "theory"},
+       {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "free_bodies", "hash", "theory", "notes"},
        "printf('%s seed %u trial %d', (SELECT name FROM sets WHERE id = m.set_id), m.seed, m.trial)"},
       {"vectors", {"id"}, {"data"}, "m.id"},
       {"cell_groups", {"group_id", "cell"}, {}, "''"},

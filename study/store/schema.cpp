@@ -48,6 +48,7 @@ CREATE TABLE IF NOT EXISTS problems (
   free_bodies INTEGER NOT NULL,  -- 1: the inertia is that of free bodies, or diagonal; else 0
   hash TEXT NOT NULL,           -- of the problem's data, hexadecimal
   theory TEXT NOT NULL,         -- "solvable" when proven from the data alone, else ""
+  notes TEXT NOT NULL,          -- JSON: how a captured problem differs from the engine's step, each "what: how many"
   checksum INTEGER NOT NULL,
   UNIQUE (set_id, seed, trial)) STRICT;
 CREATE TABLE IF NOT EXISTS vectors (

@@ -137,8 +137,8 @@ class ProblemWriter {
  public:
   explicit ProblemWriter(Database& database)
       : database_(database),
-        problem_(database, sqlite::insert_new("problems",
-                                              "id, set_id, seed, trial, kind, n, ngc, nc, free_bodies, hash, theory")),
+        problem_(database, sqlite::insert_new("problems", "id, set_id, seed, trial, kind, n, ngc, nc, free_bodies, "
+                                                          "hash, theory, notes")),
         stored_problem_(database,
                         "SELECT p.hash, s.name FROM problems p JOIN sets s ON s.id = p.set_id WHERE p.id = ?"),
         vector_(database, "INSERT OR IGNORE INTO vectors (id, data) VALUES (?, ?)"),
@@ -159,7 +159,7 @@ class ProblemWriter {
   void add(const ProblemResult& result, std::int64_t run_id) {
     const ProblemRow& problem = result.problem;
     problem_.run(problem.id, problem.set_id, problem.seed, problem.trial, problem.kind, problem.n, problem.ngc,
-                 problem.nc, problem.free_bodies, problem.hash, problem.theory);
+                 problem.nc, problem.free_bodies, problem.hash, problem.theory, problem.notes);
     check_same_problem(stored_problem_, problem, database_.file());
 
     for (const auto& [id, bytes] : result.vectors) vector_.run(id, sqlite::Blob{bytes});

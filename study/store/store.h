@@ -53,6 +53,7 @@ struct ProblemRow {
   bool free_bodies = false;  ///< G couples no joints: that of free bodies
   std::string hash;
   std::string theory;  ///< "solvable" or ""
+  std::string notes = "[]";  ///< TimeStep::notes, a JSON array
 };
 
 std::int64_t set_id(const std::string& set_name);

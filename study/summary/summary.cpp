@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -46,6 +47,27 @@ std::vector<RunSummary> read_runs(sqlite::Database& store) {
     runs.push_back({std::string(query.text(0)), std::move(provenance)});
   }
   return runs;
+}
+
+/// The number at the end of "what: how many"; 1 where there is none.
+std::int64_t count_of_note(const std::string& note, std::size_t colon) {
+  constexpr long long kMost = 1LL << 40;  // sums of this many do not overflow, whatever a file says
+  return colon == std::string::npos ? 1 : std::clamp(std::strtoll(note.c_str() + colon + 2, nullptr, 10), 0LL, kMost);
+}
+
+/// The notes of captured problems, summed up.
+void read_differences(sqlite::Database& store, Summary& summary) {
+  sqlite::Statement query(store, "SELECT notes, COUNT(*) FROM problems WHERE notes <> '[]' GROUP BY notes");
+  while (query.step()) {
+    const std::int64_t problems = query.integer(1);
+    summary.differing += problems;
+    for (const auto& each : nlohmann::json::parse(query.text(0), nullptr, false)) {
+      if (!each.is_string()) continue;
+      const auto note = each.get<std::string>();
+      const std::size_t colon = note.rfind(": ");
+      summary.differences[note.substr(0, colon)] += count_of_note(note, colon) * problems;
+    }
+  }
 }
 
 /// Adds a problem to the counts and flags of its set.
@@ -435,6 +457,7 @@ Summary summarize(Store& store, const SetVisitor& visit) {
   sqlite::Database& database = store.database();
   const sqlite::ReadSnapshot snapshot(database);  // a run may be writing
   summary.runs = read_runs(database);
+  read_differences(database, summary);
   const std::vector<Source> sources = read_solvers(store, summary);
   AnswerScan scan(store);
   std::vector<SetOfAnswers> sets = read_answers(database, scan, sources, summary);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -157,6 +158,8 @@ struct Summary {
   /// Name and version of the one engine whose own answers the solver `engine` stands for; "" for several, or none.
   std::string engine;
   Coverage coverage;      ///< of what the runs planned
+  std::int64_t differing = 0;  ///< captured problems that differ from the steps that their engines took
+  std::map<std::string, std::int64_t> differences;  ///< in what, and how many of it in all these problems
 };
 
 /// Called with the problems of a set and its complete cells, which have their outcomes only during the call.

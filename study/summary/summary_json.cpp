@@ -163,6 +163,7 @@ nlohmann::ordered_json summary_json(const Summary& summary) {
     json["provenance"]["runs"].push_back({{"started", run.started}, {"provenance", run.provenance}});
   }
   json["coverage"] = coverage_json(summary.coverage);
+  json["differences"] = {{"problems", summary.differing}, {"counts", summary.differences}};
   json["cells"] = nlohmann::ordered_json::array();
   for (const Cell& cell : summary.cells) json["cells"].push_back(cell_json(summary, cell));
   json["sweeps"] = sweeps_json(summary);

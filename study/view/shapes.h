@@ -31,6 +31,7 @@ Json view_row(const Numbers& numbers, int digits = 6) {
 inline bool is_drawn(const SceneShape& shape) {
   constexpr std::pair<std::string_view, std::size_t> kSizes[] = {
       {"sphere", 1}, {"capsule", 2}, {"cylinder", 2}, {"box", 3}, {"plane", 4}};
+  if (shape.type == "hull") return shape.fault().empty();
   return std::any_of(std::begin(kSizes), std::end(kSizes), [&](const auto& known) {
     return known.first == shape.type && known.second == shape.size.size();
   });

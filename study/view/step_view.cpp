@@ -168,6 +168,10 @@ Json step_view(const ScenesHeader& header, const SceneStep& step, const std::str
   const ContactProblem& problem = *step.problem.contact();
   Picture picture = picture_of(header, step);
   Json contacts = contacts_json(step, picture.notes);
+  if (!step.notes.empty()) {
+    picture.notes.push_back(
+        fmt::format("The problem differs from the step that the engine took: {}.", fmt::join(step.notes, "; ")));
+  }
   Json positions = Json::array();
   if (const RigidScene* scene = step.problem.scene()) {
     for (const RigidBody& body : scene->bodies) positions.push_back(view_row(body.position));

@@ -151,10 +151,9 @@ std::vector<Json> stored_step_views(Store& store, std::size_t most, std::size_t 
       }
       Json view =
           step_view(set->file->header(), step, fmt::format("{}#{}", set->name, step.step), answers);
-      while (view["answers"].size() > 2 && view.dump().size() > bytes) {
-        view["answers"].erase(view["answers"].size() - 1);
-      }
-      if (view.dump().size() > bytes) continue;
+      const auto is_too_long = [&] { return view.dump().size() > bytes + view["shapes"].dump().size(); };
+      while (view["answers"].size() > 2 && is_too_long()) view["answers"].erase(view["answers"].size() - 1);
+      if (is_too_long()) continue;
       views.push_back(std::move(view));
       shown.insert(set->scene);
     } catch (const InputError&) {  // the file has changed, or is gone

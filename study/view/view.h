@@ -39,8 +39,8 @@ Json step_view(const ScenesHeader& header, const SceneStep& step, const std::str
 /// whichever engine captured it. Steps with a false claim come first, then those whose failed answer has the largest
 /// residual [m/s]. Steps that cannot be read, or whose data have changed since, are left out.
 ///
-/// A view starts with the fastest verified answer and the worst failed one; others follow as far as `bytes` allow. A
-/// step whose view is larger with these two alone is left out.
+/// A view starts with the fastest verified answer and the worst failed one; others follow as far as `bytes` allow, which
+/// are those of the view without its shapes. A step whose view is larger with these two alone is left out.
 std::vector<Json> stored_step_views(Store& store, std::size_t most = 6, std::size_t bytes = 60'000);
 
 /// The replays of one scene as films: for each solver the poses of its frames and the measures over time. The baseline

@@ -221,6 +221,7 @@ TEST_F(CaptureTest, MistakesInTheOrderOfStepsAndInTheHeaderDoNotSpoilTheFile) {
   lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "mistakes", "engine", "1", HUGE_VAL);
   lcpbench_capture_gravity(capture, broken);
   lcpbench_capture_shape(capture, 0, "plane", broken, 3);
+  lcpbench_capture_shape(capture, 0, "hull", half, 3);
   lcpbench_capture_shape(capture, 1, "box", half, 3);
   for (const long step : {-1L, 5L, 3L, 4L, 6L}) {
     lcpbench_capture_step(capture, step, 0);

@@ -157,6 +157,24 @@ TEST_F(ScenesFileTest, HeadersThatCouldNotBeReadAgainAreNotWritten) {
             path() + ": shapes: size has nan, expected finite numbers");
 }
 
+TEST_F(ScenesFileTest, AHullHasThreeNumbersForEachOf4To256Corners) {
+  const auto error_with = [&](std::size_t entries) {
+    const ScenesHeader header = {
+        .scene = "test", .shapes = {{0, "ball", {1}}, {0, "hull", std::vector<double>(entries, 0.5)}}};
+    return error_of([&] { ScenesWriter(path(), header).close(); });
+  };
+  for (const std::size_t good : {12U, 15U, 768U}) {
+    EXPECT_EQ(error_with(good), "no error");
+    EXPECT_EQ(ScenesFile(path()).header().shapes[1].size.size(), good);
+  }
+  const std::string wanted = " entries, expected three for each of 4 to 256 corners of the hull";
+  for (const std::size_t bad : {0U, 9U, 13U, 771U}) {
+    EXPECT_EQ(error_with(bad), path() + ": shapes: size: " + std::to_string(bad) + wanted);
+  }
+  write(R"({"format":"lcpbench-scenes","version":1,"scene":"s","shapes":[{"body":0,"type":"hull","size":[1,2,3]}]})");
+  EXPECT_EQ(error_of([&] { ScenesFile{path()}; }), path() + ": line 1: shapes[0].size: 3" + wanted);
+}
+
 TEST_F(ScenesFileTest, StepsThatCouldNotBeReadAgainAreNotWritten) {
   ScenesWriter writer(path(), {.scene = "test"});
   writer.add(step_of(5));

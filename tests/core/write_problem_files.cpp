@@ -62,7 +62,8 @@ void write_steps(const fs::path& file) {
   const Problem problem("step", two_bodies());
   std::ofstream lines(file);
   lines << R"({"format":"lcpbench-scenes","version":1,"scene":"s","engine":"e","engine_version":"1","loop":"engine",)"
-        << R"("step_length":0.01,"gravity":[0,0,-9.81],"shapes":[{"body":0,"type":"sphere","size":[1]}]})" << '\n';
+        << R"("step_length":0.01,"gravity":[0,0,-9.81],"shapes":[{"body":0,"type":"sphere","size":[1]},)"
+        << R"({"body":1,"type":"hull","size":[0,0,0,1,0,0,0,1,0,0,0,1]}]})" << '\n';
   lines << R"({"step":1,"time":0.1,"problem":)" << problem_json_line(problem)
         << R"(,"gap":[0,1],"contact_ids":["a",""],"poses":[[0,0,0,1,0,0,0],[]],)"
         << R"("engine":{"impulses":[0,0,0,0,0,0],"velocity":[0,0,0,0,0,0,0,0,0,0,0,0]}})" << '\n';

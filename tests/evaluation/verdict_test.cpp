@@ -197,7 +197,7 @@ void insert_answer(Database& store, std::size_t problem, int solver, const std::
 
 std::string stored_verdict(Database& store, std::size_t problem, const Row& row, const StoredCase& stored) {
   const std::string id = std::to_string(problem);
-  store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'contact',4,2,1,0,'','" + stored.theory + "',0)");
+  store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'contact',4,2,1,0,'','" + stored.theory + "','[]',0)");
   insert_answer(store, problem, 1, row.claim, errors_of(row.answer), false);
   if (stored.solved_by_other) insert_answer(store, problem, 2, "solved", errors_of("solved"), false);
   if (stored.refuted_by_other) insert_answer(store, problem, 3, "unsolvable", errors_of("unusable"), true);
@@ -240,7 +240,7 @@ TEST(VerdictTest, TheMarginOfAProofDecidesWhetherABareLcpIsNearlySolvable) {
   std::size_t problem = 0;
   const auto expect = [&](const char* truth, double by_answer, double by_certificate, bool solved) {
     const std::string id = std::to_string(++problem), margin = std::to_string(by_certificate);
-    store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'lcp',4,0,0,0,'','',0)");
+    store.run("INSERT INTO problems VALUES (" + id + ",1,1," + id + ",'lcp',4,0,0,0,'','','[]',0)");
     Findings findings;
     if (!std::isnan(by_answer)) {
       insert_answer(store, problem, 1, "unsolvable", errors_of("unusable"), true);

@@ -144,23 +144,67 @@ class Capture(unittest.TestCase):
                 self.assertGreater(np.abs(step.impulses[:, 1:]).max(), 0 if condim > 1 else -1)
                 self.assertFalse(lcpbench.check(step.problem, 1.01 * step.impulses, model="convex"))
 
-    def test_meshes_are_boxes_and_what_only_decorates_is_left_out(self):
-        model = mujoco.MjModel.from_xml_string("""
+    BLOCK = """
 <mujoco><asset><mesh name="m" vertex="0 0 0  .2 0 0  0 .4 0  .2 .4 0  0 0 .6  .2 0 .6  0 .4 .6  .2 .4 .6"/></asset>
-  <worldbody><geom type="plane" size="1 1 1"/>
+  <worldbody><geom type="plane" size="1 1 1" pos="0 0 .8"/>
     <body pos="0 0 1" euler="0 0 90"><freejoint/><geom type="mesh" mesh="m" contype="0" conaffinity="0"/>
       <geom type="capsule" size=".1 .2"/></body>
-    <body pos="3 0 1" euler="0 0 90"><freejoint/><geom type="mesh" mesh="m" pos="1 0 0"/></body></worldbody></mujoco>""")
+    <body pos="3 0 1" euler="0 0 90"><freejoint/><geom type="mesh" mesh="m" pos="1 0 0"/></body>
+    <body pos="5 0 1"><freejoint/><geom type="ellipsoid" size=".1 .2 .3"/></body></worldbody></mujoco>"""
+
+    def test_meshes_are_hulls_and_what_only_decorates_is_left_out(self):
+        model = mujoco.MjModel.from_xml_string(self.BLOCK)
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
-        plane, capsule, box = lcpbench.mujoco.shapes(model)
+        plane, capsule, block, ellipsoid = lcpbench.mujoco.shapes(model)
         self.assertEqual((plane, capsule), ((0, "plane", (0, 0, 1, 0)), (2, "capsule", (0.1, 0.2))))
-        self.assertEqual(box[:2], (3, "box"))
-        np.testing.assert_allclose(sorted(box[2]), [0.1, 0.2, 0.3], atol=1e-6)
-        poses = lcpbench.mujoco.capture(model, data).poses
-        corners = box[2] * np.array(list(itertools.product((-1, 1), repeat=3)))
-        placed = poses[3, :3] + corners @ poses[3, 3:].reshape(3, 3).T
-        np.testing.assert_allclose([placed.min(axis=0), placed.max(axis=0)], [[2.6, 1, 1], [3, 1.2, 1.6]], atol=1e-6)
+        self.assertEqual([each[:2] for each in (block, ellipsoid)], [(3, "hull"), (4, "hull")])
+        pose = lcpbench.mujoco.capture(model, data).poses[3]
+        placed = pose[:3] + np.reshape(block[2], (-1, 3)) @ pose[3:].reshape(3, 3).T
+        corners = itertools.product((2.6, 3), (1, 1.2), (1, 1.6))
+        np.testing.assert_allclose(sorted(np.round(placed, 3).tolist()), sorted(map(list, corners)), atol=2e-3)
+        np.testing.assert_allclose(np.linalg.norm(np.reshape(ellipsoid[2], (-1, 3)) / [.1, .2, .3], axis=1), 1, atol=1e-3)
+
+    def test_the_hull_of_a_large_mesh_has_at_most_64_corners(self):
+        points = np.random.default_rng(1).normal(size=(500, 3))
+        points *= [1, 0.1, 0.01] / np.linalg.norm(points, axis=1)[:, None]
+        model = mujoco.MjModel.from_xml_string(f"""<mujoco><asset><mesh name="m" vertex="{" ".join(map(str, points.ravel()))}"/>
+          </asset><worldbody><body><freejoint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>""")
+        (_, kind, size), = lcpbench.mujoco.shapes(model)
+        corners = np.reshape(size, (-1, 3))
+        self.assertEqual(kind, "hull")
+        self.assertIn(len(corners), range(40, 65))
+        np.testing.assert_allclose(np.sort(np.ptp(corners, axis=0)), [0.02, 0.2, 2], rtol=0.1)
+
+    def test_the_program_draws_the_same(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "m.xml").write_text(self.BLOCK)
+
+            def program(*words):
+                return subprocess.run([os.environ["LCPBENCH_PROGRAM"], *words], cwd=folder, capture_output=True, text=True,
+                                      env={**os.environ, "PATH": "/nonexistent"})
+
+            command = ("capture", "m", "--engine", "mujoco", "--model", "m.xml", "--every", "1", "--steps", "1", "--out", "m.scenes")
+            if program(*command).returncode:
+                self.skipTest("the program has no MuJoCo")
+            model = mujoco.MjModel.from_xml_path(folder + "/m.xml")
+            with lcpbench.mujoco.Recorder(folder + "/ours.scenes", model, data := mujoco.MjData(model)) as recorder:
+                recorder.before_step()
+                mujoco.mj_step(model, data)
+            boxes = []  # around each shape, in the world
+            for name in ("m", "ours"):
+                shown = program("view", name + ".scenes#0", "--solver", "auto", "--format", "json").stdout
+                scene = json.loads(shown)["scenes"][0]
+                boxes.append([])
+                for each in scene["shapes"]:
+                    x, y, z, w, i, j, k = scene["poses"][each["body"]]
+                    if each["type"] == "hull":
+                        turn = np.zeros(9)
+                        mujoco.mju_quat2Mat(turn, [w, i, j, k])
+                        placed = [x, y, z] + np.reshape(each["size"], (-1, 3)) @ turn.reshape(3, 3).T
+                        boxes[-1].append([placed.min(axis=0), placed.max(axis=0)])
+            self.assertEqual(len(boxes[0]), 2)
+            np.testing.assert_allclose(*boxes, atol=1e-3)
 
     def test_wrong_arguments_are_named(self):
         model, data, _ = simulated()

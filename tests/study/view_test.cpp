@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -214,11 +215,14 @@ TEST_F(ViewCommand, SaysWhatIsWrongWithItsInput) {
   copy_of("scene/stack/ode", "stack.scenes");
   write_problem_of("lcp.json", kOneRow);
   fs::create_directories(folder_ / "empty");
+  write("hull.scenes", R"({"format":"lcpbench-scenes","version":1,"scene":"s","shapes":[)"
+                       R"({"body":0,"type":"hull","size":[1,2,3,4]}]})");
   const std::pair<const char*, const char*> cases[] = {
       {"none.scenes#1", "lcpbench: none.scenes: no such file\n"},
       {"stack.scenes#99999", "has no step 99999; the one before is"},
       {"stack.scenes", "name one, as 'stack.scenes#"},
       {"lcp.json", "lcp.json: is a bare LCP"},
+      {"hull.scenes#0", "lcpbench: hull.scenes: line 1: shapes[0].size: 4 entries, expected three for each of 4 to 256"},
       {"empty", "replays.json: cannot be read"},
       {"'stack.scenes#0' --solver nothing", "unknown solver 'nothing'"},
       {"'stack.scenes#0' --out none/page.html", "none/page.html: cannot be written"}};
@@ -257,6 +261,37 @@ TEST_F(ViewCommand, TheReportHasStepsWithAVerifiedAnswerAndOneThatFailed) {
   EXPECT_GE(views[0]["answers"][1]["error_m_per_s"], views[1]["answers"][1]["error_m_per_s"]);
   EXPECT_EQ(stored_step_views(store, 1).size(), 1u);
   EXPECT_TRUE(stored_step_views(store, 6, 1000).empty());
+}
+
+/// From the file through the store to each place where a user reads results.
+TEST_F(ViewCommand, TheReportCountsHowProblemsDifferFromTheStepsOfTheEngine) {
+  Cube cube;
+  cube.step.problem = Problem("cube", cube.scene);
+  const std::vector<std::string> notes[] = {
+      {"ropes, left out: 2", "springs: as forces: 1"}, {}, {"springs: as forces: 3", "wind, without a number"}};
+  ScenesWriter writer((folder_ / "cube.scenes").string(), cube.header);
+  for (cube.step.step = 0; cube.step.step < 3; ++cube.step.step) {
+    cube.step.notes = notes[cube.step.step];
+    writer.add(cube.step);
+  }
+  writer.close();
+  const std::string sentence =
+      "2 captured problems differ from the steps that their engines took, counted over all: ropes, left out: 2; "
+      "springs: as forces: 4; wind, without a number: 1.";
+  done("run --set file:cube.scenes --solver auto --store all.db");
+  EXPECT_TRUE(contains(std::regex_replace(read("out"), std::regex("\\s+"), " "), sentence)) << read("out");
+  done("report all.db --out report");
+  EXPECT_EQ(json::parse(read("report/report.json"))["notes"], json({sentence}));
+  const json counts = {{"ropes, left out", 2}, {"springs: as forces", 4}, {"wind, without a number", 1}};
+  EXPECT_EQ(json::parse(read("report/summary.json"))["differences"], (json{{"problems", 2}, {"counts", counts}}));
+
+  done("run --set 'file:cube.scenes#2' --solver auto --store one.db");
+  done("merge both.db one.db all.db --mixed");
+  done("report both.db --out report");
+  EXPECT_EQ(json::parse(read("report/summary.json"))["differences"]["counts"]["springs: as forces"], 7);
+  const json shown = run_json("view 'cube.scenes#0' --solver auto")["scenes"][0]["notes"];
+  EXPECT_EQ(shown, json({"The problem differs from the step that the engine took: ropes, left out: 2; springs: as "
+                         "forces: 1."}));
 }
 
 }  // namespace

@@ -36,6 +36,21 @@ def view(*arguments):
     return done.stdout
 
 
+def pushed_up(file, *more):
+    """A step in which a contact at its top pulls a small cube up, far from the origin, and more shapes."""
+    corners = [each / 10 for x in (-1, 1) for y in (-1, 1) for z in (-1, 1) for each in (x, y, z)]
+    header = {"format": "lcpbench-scenes", "version": 1, "scene": "cube", "gravity": [0, 0, -9.81],
+              "shapes": [{"body": 0, "type": "hull", "size": corners}, *more]}
+    body = {"mass": 1, "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "position": [50, 0, 0.1], "linear_velocity": [0, 0, -1],
+            "angular_velocity": [0, 0, 0]}
+    contact = {"body_a": 0, "body_b": -1, "point": [50, 0, 0.2], "normal": [0, 0, 1], "tangent": [1, 0, 0], "mu": 0.5, "edges": 4}
+    problem = {"format": "lcpbench-problem", "version": 1, "name": "cube", "kind": "scene", "bodies": [body],
+               "contacts": [contact]}
+    step = {"step": 0, "problem": problem, "poses": [[50, 0, 0.1, 1, 0, 0, 0]]}
+    file.with_suffix(".scenes").write_text(json.dumps(header) + "\n" + json.dumps(step) + "\n")
+    view(f"{file.with_suffix('.scenes')}#0", "--solver", "auto", "--solver", "psor", "--out", file)
+
+
 def fall(folder):
     """Replays of a cube: it stays with the first solver, and falls by 8 m with the second, whose name is hostile."""
     problem = {"format": "lcpbench-problem", "version": 1, "name": "cube", "kind": "scene", "contacts": [], "bodies": [
@@ -70,6 +85,9 @@ class SceneTest(unittest.TestCase):
         solvers = ["--solver", "auto", "--solver", "psor{max_iterations=3}", "--solver", "lemke"]
         view(cls.step, *solvers, "--out", cls.folder / "step.html")
         cls.shown = json.loads(view(cls.step, *solvers, "--format", "json"))["scenes"][0]
+        pushed_up(cls.folder / "arrow.html")
+        pushed_up(cls.folder / "ground.html", {"body": -1, "type": "plane", "size": [0, 0, 1, 0]})
+        pushed_up(cls.folder / "line.html", {"body": -1, "type": "hull", "size": 2 * [50, 0, 0] + 2 * [50.1, 0, 0]})
         fall(cls.folder / "replays")
         view(cls.folder / "replays", "--out", cls.folder / "film.html")
         cls.browser = cls.enterClassContext(chromium.Browser())
@@ -168,22 +186,43 @@ class SceneTest(unittest.TestCase):
         self.assertIn("0.77 s of 1.01 s", self.text("output"))
         self.assertIn("8 m", self.text("tbody"))
 
+    def drawn(self, picture=0):
+        """The share of drawn pixels inside of the picture, and at its edge."""
+        return self.browser.run("""(() => {
+          const canvas = document.querySelectorAll("canvas")[%d];
+          const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+          const [drawn, all] = [[0, 0], [0, 0]];
+          for (let i = 0; i < data.length / 4; ++i) {
+            const [x, y] = [i %% canvas.width, Math.floor(i / canvas.width)];
+            const at_edge = Number(x === 0 || y === 0 || x === canvas.width - 1 || y === canvas.height - 1);
+            if (data[4 * i + 3] > 0) ++drawn[at_edge];
+            ++all[at_edge];
+          }
+          return drawn.map((count, i) => count / all[i]); })()""" % picture)
+
+    def test_no_arrow_leaves_the_frame(self):
+        self.open("arrow.html")
+        inner, edge = self.drawn()
+        self.assertGreater(inner, 0.05)
+        self.assertEqual(edge, 0)
+
+    def test_the_ground_is_seen_wherever_the_scene_is(self):
+        self.open("arrow.html")
+        without = self.drawn()[0]
+        self.open("ground.html")
+        self.assertGreater(self.drawn()[0], without + 0.4)
+
+    def test_a_hull_without_volume_is_no_error(self):
+        self.open("line.html")
+        self.assertGreater(self.drawn()[0], 0.05)
+
     def test_the_picture_has_room_for_the_scene_over_all_steps(self):
         self.open("film.html")
         for picture, time_s in ((0, 0), (1, 0), (1, 0.5), (1, 1.01)):
             self.browser.run(f"""(() => {{ const slider = document.querySelector("input[type=range]"); slider.value = {time_s};
               slider.dispatchEvent(new Event("input")); }})()""")
-            inner, edge = self.browser.run("""(() => {
-              const canvas = document.querySelectorAll("canvas")[%d];
-              const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-              const counts = [0, 0];  // of drawn pixels
-              for (let i = 0; i < data.length / 4; ++i) {
-                const [x, y] = [i %% canvas.width, Math.floor(i / canvas.width)];
-                const at_edge = x === 0 || y === 0 || x === canvas.width - 1 || y === canvas.height - 1;
-                if (data[4 * i + 3] > 0) ++counts[Number(at_edge)];
-              }
-              return counts; })()""" % picture)
-            self.assertGreater(inner, 100, (picture, time_s))
+            inner, edge = self.drawn(picture)
+            self.assertGreater(inner, 0.001, (picture, time_s))
             self.assertEqual(edge, 0, (picture, time_s))
 
     def test_a_saved_table_runs_no_formula(self):

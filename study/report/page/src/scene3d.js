@@ -159,6 +159,7 @@ export function mountStep(element, view) {
     view.poses[body] && view.bodies.positions.some(isAt(view.poses[body]))));
   const known = contacts.points.filter(Boolean);
   const orbit = orbitOf(view, solids, [view.poses], known);
+  const { box, radius } = orbit;  // of bodies and contacts, without arrows
   const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null };
   const best = answers.reduce((a, b) => ((b.error_m_per_s ?? Infinity) < (a.error_m_per_s ?? Infinity) ? b : a), answers[0]);
   const longest = (rows) => Math.max(0, ...rows.filter(Boolean).map((row) => Math.hypot(...row.slice(0, 3))));
@@ -169,7 +170,7 @@ export function mountStep(element, view) {
   };
   const arrow = (from, direction, largest, width, color) => {
     const part = Math.min(2, direction.length() / largest);  // a wrong answer may be any size
-    return part > 0.01 && { from, to: from.clone().addScaledVector(direction.normalize(), 0.45 * part * orbit.radius),
+    return part > 0.01 && { from, to: from.clone().addScaledVector(direction.normalize(), 0.45 * part * radius),
       width: width * Math.min(1, Math.sqrt(60 / known.length)) * orbit.radius, color };
   };
   const inWorld = (axes, numbers) => numbers.reduce(
@@ -201,6 +202,11 @@ export function mountStep(element, view) {
       solids: solids.map((solid) => ({ solid, pose: view.poses[solid.body], color: theme.body })) };
   }
 
+  /** Makes room for the arrows of all answers, so that two pictures with any of them have one scale. */
+  const frame = () => {
+    const ends = answers.flatMap((answer) => drawing(answer).arrows.map(({ to }) => to));
+    orbit.surround(ends.reduce((around, end) => around.expandByPoint(end), box.clone()));
+  };
   const readout = h("p", { class: "scene3d-readout", "aria-live": "polite" }, howTo);
   const numbers = h("div", { class: "scene3d-numbers" });
   const repaint = () => {
@@ -239,6 +245,7 @@ export function mountStep(element, view) {
     ["bodies", "velocities of bodies", view.bodies.positions.length]].filter(([, , count]) => count > 0)
     .map(([key, name]) => h("label", null, h("input", { type: "checkbox", checked: state.show[key], onchange: (event) => {
       state.show[key] = event.target.checked;
+      frame();
       repaint();
     } }), ` ${name}`));
   const figure = h("figure", { class: "scene3d" },
@@ -251,5 +258,6 @@ export function mountStep(element, view) {
     fold("Contacts in numbers", () => numbers, { open: !drawn }));
   element.replaceChildren(figure);
   keepPainted(figure, repaint);
+  frame();
   refresh();
 }

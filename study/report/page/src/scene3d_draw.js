@@ -1,10 +1,12 @@
 // Draws solids, dots and arrows from a point of view. One WebGL context serves all pictures of a page, since browsers
 // allow few.
 import {
-  AmbientLight, BoxGeometry, CapsuleGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
-  DoubleSide, EdgesGeometry, FrontSide, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, PerspectiveCamera, Quaternion, Scene, Sphere, SphereGeometry, Vector3, WebGLRenderer,
+  AmbientLight, BoxGeometry, BufferGeometry, CapsuleGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
+  DirectionalLight, DoubleSide, EdgesGeometry, FrontSide, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Quaternion, Scene, Sphere, SphereGeometry, Vector3,
+  WebGLRenderer,
 } from "three";
+import { ConvexGeometry } from "three/examples/jsm/geometries/ConvexGeometry.js";
 
 const fieldOfView = 30;  // degrees
 const axisZ = new Vector3(0, 0, 1);
@@ -27,15 +29,20 @@ const makers = {
   sphere: ([r]) => new SphereGeometry(r, 24, 16),
   capsule: ([r, half]) => new CapsuleGeometry(r, 2 * half, 8, 20).rotateX(Math.PI / 2),
   cylinder: ([r, half]) => new CylinderGeometry(r, r, 2 * half, 32).rotateX(Math.PI / 2),
-  plane: ([x, y, z, offset], extent) => {
-    const turn = new Quaternion().setFromUnitVectors(axisZ, vector([x, y, z]).normalize());
-    return new CircleGeometry(8 * extent, 64).applyMatrix4(
-      new Matrix4().compose(vector([x, y, z]).multiplyScalar(offset), turn, vector([1, 1, 1])));
+  plane: () => new CircleGeometry(1, 64),
+  hull: (size) => {
+    try {
+      return new ConvexGeometry(cornersOf(size));
+    } catch {  // all corners on a line
+      return new BufferGeometry().setFromPoints(cornersOf(size));
+    }
   },
 };
+const cornersOf = (size) => Array.from({ length: size.length / 3 }, (_, i) => vector(size.slice(3 * i, 3 * i + 3)));
 const radii = {
   box: (size) => Math.hypot(...size), sphere: ([r]) => r, capsule: ([r, half]) => r + half,
   cylinder: ([r, half]) => Math.hypot(r, half), plane: () => Infinity,
+  hull: (size) => Math.max(...cornersOf(size).map((corner) => corner.length())),
 };
 
 /** The shapes of a view as solids. The ground are planes, and what stands still and is much larger than the median of what
@@ -46,8 +53,8 @@ export function solidsOf(shapes, moving) {
   const sizes = shapes.filter(moves).map(radiusOf).filter(Number.isFinite).sort((a, b) => a - b);
   const usual = sizes[Math.floor((sizes.length - 1) / 2)] ?? 1;
   return shapes.map((shape) => {
-    const geometry = makers[shape.type](shape.size, usual);
-    return { body: shape.body, flat: shape.type === "plane", geometry, edges: new EdgesGeometry(geometry, 30),
+    const geometry = makers[shape.type](shape.size);
+    return { body: shape.body, plane: shape.type === "plane" && shape.size, geometry, edges: new EdgesGeometry(geometry, 45),
       still: !moves(shape), ground: !(radiusOf(shape) <= 4 * usual) && !(moving.length && moves(shape)) };
   });
 }
@@ -69,10 +76,30 @@ function placed(pose) {
   return matrix.compose(vector([x, y, z]), new Quaternion(i, j, k, w).normalize(), vector([1, 1, 1]));
 }
 
+/** The matrix of a plane's disc: it lies below the middle of the picture, and reaches far beyond the frame. */
+function discOf([x, y, z, offset], pose, orbit) {
+  const normal = vector([x, y, z]);
+  const turn = new Quaternion().setFromUnitVectors(axisZ, normal.clone().normalize());
+  const frame = placed(pose).multiply(new Matrix4().compose(normal.multiplyScalar(offset), turn, vector([1, 1, 1])));
+  const middle = orbit.centre.clone().applyMatrix4(frame.clone().invert()).setZ(0);
+  const reach = 12 * orbit.radius;
+  return frame.multiply(new Matrix4().compose(middle, new Quaternion(), vector([reach, reach, 1])));
+}
+
 /** A point of view that circles around a box. */
 export class Orbit {
   constructor(gravity, box) {
     this.up = gravity && vector(gravity).length() > 0 ? vector(gravity).normalize().negate() : axisZ.clone();
+    this.surround(box);
+    this.across = new Vector3(1, 0, 0).projectOnPlane(this.up);
+    if (this.across.length() < 0.1) this.across = new Vector3(0, 1, 0).projectOnPlane(this.up);
+    this.across.normalize();
+    this.along = this.up.clone().cross(this.across);
+    this.reset();
+  }
+  /** What the camera shows at zoom 1. */
+  surround(box) {
+    this.box = box;
     this.empty = box.isEmpty();
     const around = box.getBoundingSphere(new Sphere());
     this.centre = around.center;
@@ -80,11 +107,6 @@ export class Orbit {
     const half = box.getSize(new Vector3()).multiplyScalar(0.5);
     this.corners = this.empty ? [] : Array.from({ length: 8 }, (_, i) =>
       vector([i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1]).multiply(half));
-    this.across = new Vector3(1, 0, 0).projectOnPlane(this.up);
-    if (this.across.length() < 0.1) this.across = new Vector3(0, 1, 0).projectOnPlane(this.up);
-    this.across.normalize();
-    this.along = this.up.clone().cross(this.across);
-    this.reset();
   }
   reset() {
     Object.assign(this, { azimuth: -1.05, elevation: 0.3, zoom: 1 });
@@ -155,11 +177,11 @@ function sceneOf({ solids, dots, arrows, theme }, orbit, camera) {
   sun.position.copy(camera.position).addScaledVector(orbit.up, 2 * orbit.radius).sub(orbit.centre);
   scene.add(new AmbientLight(0xffffff, 1.4), sun);
   for (const { solid, pose, color } of solids) {
-    const matrix = placed(pose);
+    const matrix = solid.plane ? discOf(solid.plane, pose, orbit) : placed(pose);
     // What stands still may hide what moves: one looks through it.
     const fill = solid.ground ? { color: theme.ground, opacity: 0.5 } : { color, opacity: solid.still ? 0.3 : 1 };
     const mesh = new Mesh(solid.geometry, material(MeshLambertMaterial, {
-      ...fill, transparent: fill.opacity < 1, side: solid.flat ? DoubleSide : FrontSide, depthWrite: fill.opacity === 1,
+      ...fill, transparent: fill.opacity < 1, side: solid.plane ? DoubleSide : FrontSide, depthWrite: fill.opacity === 1,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
     const lines = new LineSegments(solid.edges, material(LineBasicMaterial, { color: theme.edge }));
     for (const object of solid.ground ? [mesh] : [mesh, lines]) {
