@@ -14,6 +14,7 @@ Exit codes: 0 every certificate was accepted; 1 one was rejected; 2 a file canno
 
 import argparse
 import collections
+import itertools
 import json
 import math
 import multiprocessing
@@ -26,9 +27,10 @@ import zlib
 from fractions import Fraction
 
 from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, is_nonnegative, is_positive, is_zero,
-                            plus, read_problem, require, rounded, transposed_times, zeros)
+                            plus, read_problem, reduced, require, rounded, transposed_times, zeros)
 
-PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas",)}
+PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "every_basis")}
+MOST_UNKNOWNS = 16  # of problems whose every basis is tried: 2^16 of them take minutes
 
 
 # ------------------------------------------------------------------------------------------------ certificates
@@ -111,6 +113,30 @@ def check_farkas(document, problem):
     require(dot(problem.velocities(problem.v), u) < 0, "(N'v + b)'u is not negative")
 
 
+def check_every_basis(problem):
+    """An LCP with a solution has one that is a vertex: with B its support, the columns B are independent in rows that
+    have w = 0, those of B among them. So for each B the rows of B are completed in every way to as many as B determines."""
+    require(problem.size <= MOST_UNKNOWNS, "there are too many bases to try them again")
+    M, q = problem.dense()
+    unknowns = range(problem.size)
+    for size in range(problem.size + 1):
+        for support in itertools.combinations(unknowns, size):
+            equations = [[M[i][j] for j in support] + [-q[i]] for i in unknowns]
+            of_support = reduced([equations[i] for i in support], size)
+            if of_support is None:
+                continue
+            missing = size - of_support[0]
+            if missing and reduced([row[:size] + [Fraction(0)] for row in equations], size)[0] < size:
+                continue
+            for more in itertools.combinations([i for i in unknowns if i not in support], missing):
+                found = reduced([equations[i] for i in (*support, *more)], size)
+                if found is None or found[1] is None:
+                    continue
+                z = found[1]
+                w = [q[i] + sum(M[i][j] * x for j, x in zip(support, z)) for i in unknowns]
+                require(min(z, default=0) < 0 or min(w) < 0, f"the basis {list(support)} gives a solution")
+
+
 def check_lp(document, problem):
     require(isinstance(problem, Contact), "only contact problems are proven solvable in this way")
     # Every shift of the velocity is in the range of a given G* only if that is definite.
@@ -138,6 +164,8 @@ def check(document):
     problem = read_problem(document["problem"])
     if proof == "exact_basis":
         check_solution(document, problem)
+    elif proof == "every_basis":
+        check_every_basis(problem)
     elif proof == "farkas":
         check_farkas(document, problem)
     else:

@@ -104,6 +104,24 @@ def joined(x, y):
                      x.denominator * y.denominator)
 
 
+def reduced(rows, unknowns):
+    """The echelon form of equations: lists of as many coefficients as there are unknowns, then the right-hand side.
+    @returns its rank, and the unknowns where these are determined; None for equations that contradict each other"""
+    rows, rank = [list(row) for row in rows], 0
+    for column in range(unknowns):
+        pivot = next((i for i in range(rank, len(rows)) if rows[i][column]), None)
+        if pivot is None:
+            continue
+        rows[rank], rows[pivot] = rows[pivot], rows[rank]
+        top = [entry / rows[rank][column] for entry in rows[rank]]
+        rows = [top if i == rank else [a - row[column] * b for a, b in zip(row, top)] if row[column] else row
+                for i, row in enumerate(rows)]
+        rank += 1
+    if any(row[unknowns] for row in rows[rank:]):
+        return None
+    return rank, [row[unknowns] for row in rows[:rank]] if rank == unknowns else None
+
+
 def is_positive(matrix, strictly):
     """Positive (semi)definite, for a symmetric matrix: elimination of integers in which every division is exact."""
     rows = [list(row) for row in matrix.numerators]
@@ -135,6 +153,10 @@ class BareLcp:
 
     def complement(self, z):
         return plus(times(self.M, z), self.q)
+
+    def dense(self):
+        """M by rows, and q, as fractions."""
+        return [[Fraction(entry, self.M.denominator) for entry in row] for row in self.M.numerators], self.q.fractions()
 
 
 def directions(edges):
@@ -302,6 +324,28 @@ class Contact:
             pushed = sum(entries[self.nc + self.first[i] + t] for t in range(self.edges[i]))
             slack.append(Fraction(self.mu.numerators[i], self.mu.denominator) * entries[i] - pushed)
         return w + slack
+
+
+    def dense(self):
+        """M by rows, and q, as fractions: the velocities that each impulse alone, and each lambda, gives."""
+        q = self.complement(zeros(self.size), self.v)
+        columns = []
+        for j in range(self.size):
+            z = Rationals([int(i == j) for i in range(self.size)], 1)
+            moved = self.moved_by(self.potential_of(self.impulse(z.part(0, self.nc + self.friction))))
+            columns.append([a - b for a, b in zip(self.complement(z, plus(self.v, moved)), q)])
+        return [list(row) for row in zip(*columns)], q
+
+    def potential_of(self, impulse):
+        """p of K p = B f, by elimination."""
+        if self.form == "Ginv":
+            return times(self.G, impulse)
+        units = (Rationals([int(i == j) for i in range(self.potentials)], 1) for j in range(self.potentials))
+        columns = [self.stiffness_times(unit).fractions() for unit in units]
+        rows = [[column[i] for column in columns] + [b] for i, b in enumerate(self.reduced(impulse).fractions())]
+        solved = reduced(rows, self.potentials)
+        require(solved is not None and solved[1] is not None, "the inertia is singular")
+        return from_fractions(solved[1])
 
 
 def read_problem(document):

@@ -83,7 +83,7 @@ class Certificate:
     """What exact arithmetic proves of a problem. True in an `if` where it has a solution."""
 
     certificate: str  #: "solution", "unsolvable" or "open"
-    proof: str  #: "exact_basis", "lp" or "farkas"; "" where open
+    proof: str  #: "exact_basis", "lp", "farkas" or "every_basis"; "" where open
     z: np.ndarray | None  #: (n,): the solution that was certified, rounded
     velocity: np.ndarray | None  #: (ngc,): its velocity after the step
     velocity_unique: bool | None  #: whether every solution has this velocity; None: not known

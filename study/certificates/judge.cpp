@@ -1,6 +1,7 @@
 #include "study/certificates/judge.h"
 
 #include <exception>
+#include <utility>
 
 #include "core/same_bits.h"
 #include "core/timed_solve.h"
@@ -13,8 +14,17 @@ std::optional<Certificate> BoundedCertifier::certify(const Problem& problem) {
   const Index rows = contact != nullptr ? contact->nc() : problem.size();
   if (rows > kMostRows || (contact != nullptr && contact->ngc() > kMostCoordinates)) return std::nullopt;
   if (certifier_ == nullptr) certifier_ = std::make_unique<Certifier>(CertifyOptions{.most_work = kMostWork});
+  return certify(problem, *certifier_);
+}
+
+std::optional<Certificate> BoundedCertifier::certify_longer(const Problem& problem) {
+  Certifier certifier(CertifyOptions{.most_work = 10 * kMostWork});
+  return certify(problem, certifier);
+}
+
+std::optional<Certificate> BoundedCertifier::certify(const Problem& problem, Certifier& certifier) {
   try {
-    Certificate certificate = certifier_->certify(problem);
+    Certificate certificate = certifier.certify(problem);
     if (certificate.kind != CertificateKind::kOpen) return certificate;
   } catch (const std::exception&) {  // data that are not finite, memory: nothing is proven
   }
@@ -30,8 +40,13 @@ std::size_t Judge::judge(const Answer& answer, FrictionModel model) {
   const std::size_t number = find_or_judge(answer, model);
   const bool denies =
       (answer.claim == Claim::kUnsolvable || answer.farkas.size() > 0) && !judgement(number).proof_holds;
-  if (denies && !findings_.has(Evidence::kTheory)) settle();
+  if (denies && !settled_ && !findings_.has(Evidence::kTheory)) settle(certifier_.certify(problem_));
   return number;
+}
+
+void Judge::settle_few_unknowns() {
+  const bool is_open = problem_.size() <= Certifier::kFewUnknowns && findings_.truth() == Truth::kUnknown;
+  if (is_open) settle(certifier_.certify_longer(problem_));
 }
 
 Judgement Judge::judge_alone(const Answer& answer, FrictionModel model) {
@@ -57,10 +72,9 @@ std::size_t Judge::find_or_judge(const Answer& answer, FrictionModel model) {
   return distinct_.size() - 1;
 }
 
-void Judge::settle() {
-  if (settled_) return;
+void Judge::settle(std::optional<Certificate> certificate) {
   settled_ = true;
-  certificate_ = certifier_.certify(problem_);
+  certificate_ = std::move(certificate);
   if (!certificate_) return;
   if (certificate_->kind == CertificateKind::kUnsolvable) {
     findings_.add_proof(Evidence::kCertifiedUnsolvable, proof_margin(problem_, *certificate_));

@@ -25,8 +25,12 @@ class BoundedCertifier {
 
   /// What is proven of the problem; nullopt where that is nothing within the limits above.
   std::optional<Certificate> certify(const Problem& problem);
+  /// With ten times the work: enough to try every basis of Certifier::kFewUnknowns.
+  std::optional<Certificate> certify_longer(const Problem& problem);
 
  private:
+  std::optional<Certificate> certify(const Problem& problem, Certifier& certifier);
+
   std::unique_ptr<Certifier> certifier_;
 };
 
@@ -44,6 +48,8 @@ class Judge {
   /// @returns the number of the answer among those that differ in a bit of a vector, or in their model: 0 for the
   /// first, 1 for the next
   std::size_t judge(const Answer& answer, FrictionModel model = FrictionModel::kPyramid);
+  /// Settles the problem all the same if it has at most Certifier::kFewUnknowns and nothing is known of it.
+  void settle_few_unknowns();
   const Judgement& judgement(std::size_t number) const { return distinct_[number].judgement; }
 
   /// All that is known of the problem by now.
@@ -61,7 +67,7 @@ class Judge {
 
   std::size_t find_or_judge(const Answer& answer, FrictionModel model);
   Judgement judge_alone(const Answer& answer, FrictionModel model);
-  void settle();
+  void settle(std::optional<Certificate> certificate);
 
   const Problem& problem_;
   BoundedCertifier& certifier_;

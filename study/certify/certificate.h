@@ -23,13 +23,14 @@ enum class ProofKind {
   kNone,
   kExactBasis,  ///< `exact_z` is a solution: checked by multiplication
   kFarkas,      ///< `exact_farkas` contradicts solvability: checked by multiplication
+  kEveryBasis,       ///< no basis gives a solution: checked by trying every one again
   kLp,          ///< `exact_farkas` proves, for friction, that a solution exists, without giving one
 };
 
 /// "solution", "unsolvable", "open".
 const char* to_string(CertificateKind kind);
 
-/// "none", "exact_basis", "farkas", "lp".
+/// "none", "exact_basis", "farkas", "every_basis", "lp".
 const char* to_string(ProofKind proof);
 
 /// Exact rationals over one common positive denominator: decimal integers as GMP writes them ("-17"). Empty: no vector.
@@ -75,6 +76,10 @@ struct CertifyOptions {
 /// One object per thread; it keeps its solvers and workspaces between calls.
 class Certifier {
  public:
+  /// Problems of at most so many unknowns are decided by every basis, unless K, the inertia in the potentials, is
+  /// singular.
+  static constexpr Index kFewUnknowns = 12;
+
   explicit Certifier(CertifyOptions options) : options_(options) {}
 
   /// @throws InputError for NaN or infinite data.

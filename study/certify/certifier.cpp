@@ -97,7 +97,7 @@ ContactProblem without_friction(const ContactProblem& problem, Matrix N, Vector 
 ///
 /// Contacts with friction: bases from `contact_lemke` and `lemke`; the contradiction of the normals alone; the velocity
 /// inside the dual friction cones, the solution of a frictionless problem whose contacts are the cones' edges; for few
-/// unknowns exact Lemke.
+/// unknowns exact Lemke, and for very few every basis, which is complete.
 class TruthSearch {
  public:
   /// @throws TimePassed, as run() does
@@ -132,7 +132,7 @@ class TruthSearch {
  private:
   bool decide_bare() {
     return solved_by(kLemke) || solved_by("auto") || contradicted() || settled_by_exact_lemke(kLargestBareLemke) ||
-           in_a_combination([](const Point&) { return true; });
+           in_a_combination([](const Point&) { return true; }) || settled_by_every_basis();
   }
 
   bool decide_monotone() {
@@ -144,7 +144,8 @@ class TruthSearch {
     if (solved_by("contact_lemke") || contradicted()) return true;
     if (solved_by(kLemke) || solved_by("contact_lemke{covering=classic}")) return true;
     if (system_.size <= kLargestQuad && solved_by(kInQuad)) return true;
-    return solvable_by_velocity() || settled_by_exact_lemke(kLargestContactLemke) || normals_contradicted_by_lemke();
+    return solvable_by_velocity() || settled_by_exact_lemke(kLargestContactLemke) || normals_contradicted_by_lemke() ||
+           settled_by_every_basis();
   }
 
   bool solved_by(const char* spec) {
@@ -296,6 +297,62 @@ class TruthSearch {
            take_contradiction(lemke.x, "ray of exact lexicographic Lemke");
   }
 
+  /// Decides any problem of few unknowns. If there is a solution, one is a vertex of the polyhedron of those with its
+  /// complementary cone: its support B, and rows T, T containing B, on which w = 0, have independent columns. So
+  /// every B is tried, and where the rows of B leave something undetermined, every choice of so many rows more.
+  bool settled_by_every_basis() {
+    const Index n = system_.size, k = system_.potentials;
+    if (n > Certifier::kFewUnknowns) return false;
+    const std::vector<Index> equations = range(0, k), everything = range(0, k + n);
+    if (rank(equations, range(1, 1 + k)) < k) return false;
+    for (Index mask = 0; mask < Index{1} << n; ++mask) {
+      if (deadline_.passed()) return false;
+      std::vector<Index> basis, others, columns = range(1, 1 + k), rows = equations;
+      for (Index i = 0; i < n; ++i) ((mask >> i & 1) != 0 ? basis : others).push_back(i);
+      for (const Index i : basis) {
+        columns.push_back(system_.column_of(i));
+        rows.push_back(system_.row_of(i));
+      }
+      const Index order = std::ssize(columns), determined_by_basis = rank(rows, columns);
+      if (determined_by_basis < order && rank(everything, columns) < order) continue;
+      std::vector<Index> with_constants = columns;
+      with_constants.push_back(0);
+      if (determined_by_basis < order && rank(rows, with_constants) > determined_by_basis) continue;
+      const auto is_vertex = [&](const std::vector<Index>& more) { return solved_at(basis, more); };
+      if (any_choice(others, order - determined_by_basis, is_vertex)) return true;
+    }
+    certificate_.kind = CertificateKind::kUnsolvable;
+    certificate_.proof = ProofKind::kEveryBasis;
+    certificate_.detail = "every basis was tried";
+    return true;
+  }
+
+  Index rank(const std::vector<Index>& rows, const std::vector<Index>& columns) const {
+    return fmpz_mat_rank(part(system_.rows, rows, columns).get());
+  }
+
+  /// Whether the point with w = 0 on `basis` and `more`, and z = 0 but for the basis, is a solution; takes it.
+  bool solved_at(const std::vector<Index>& basis, const std::vector<Index>& more) {
+    const Point point = point_on(system_, basis, deadline_, [&] { return more; });
+    return solves(point) && take_solution(point, "one of all bases");
+  }
+
+  /// Whether `holds` of some choice of `count` of them.
+  template <class Holds>
+  static bool any_choice(const std::vector<Index>& all, Index count, Holds&& holds) {
+    if (count > std::ssize(all)) return false;
+    std::vector<bool> chosen(all.size(), false);
+    std::fill_n(chosen.begin(), count, true);
+    do {
+      std::vector<Index> choice;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        if (chosen[i]) choice.push_back(all[i]);
+      }
+      if (holds(choice)) return true;
+    } while (std::prev_permutation(chosen.begin(), chosen.end()));
+    return false;
+  }
+
   // Where contacts can bring everything to rest and ask for no more, v + Y p = 0 will do; where all yield, any
   // velocity; else the post-impact velocity of the frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
@@ -433,7 +490,7 @@ const char* to_string(CertificateKind kind) {
 }
 
 const char* to_string(ProofKind proof) {
-  constexpr const char* kNames[] = {"none", "exact_basis", "farkas", "lp"};
+  constexpr const char* kNames[] = {"none", "exact_basis", "farkas", "every_basis", "lp"};
   return kNames[static_cast<std::size_t>(proof)];
 }
 

@@ -99,6 +99,7 @@ std::string finding(const Problem& problem, const Certificate& certificate) {
                              bound)
                        : "it has no solution, proven in exact arithmetic";
     }
+    case ProofKind::kEveryBasis: return "it has no solution: no basis gives one in exact arithmetic";
     case ProofKind::kNone: break;
   }
   return "neither a solution nor a proof that there is none was found";

@@ -223,6 +223,8 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     }
   }
   if (progress.is_on_terminal()) progress.show("explaining the answers");
+  const bool is_solved = std::ranges::any_of(attempts, [](const Attempt& each) { return each.judgement.errors.solved; });
+  if (!is_solved) judge.settle_few_unknowns();
   const std::string known_by = because(judge, attempts);
   std::optional<std::vector<std::string>> names;
   const double least_violation_m_per_s = proven_violation_m_per_s(problem, judge, attempts);

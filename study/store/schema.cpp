@@ -103,7 +103,7 @@ CREATE TABLE IF NOT EXISTS timings (
 CREATE TABLE IF NOT EXISTS certificates (
   problem_id INTEGER PRIMARY KEY REFERENCES problems(id),
   certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/explanation/certificates.md
-  proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp"; "none" where open
+  proof TEXT NOT NULL,          -- "exact_basis", "farkas", "every_basis", "lp"; "none" where open
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
   velocity_unique INTEGER,      -- 1: every solution has this v+; 0: some solution has another; NULL: not known
   least_violation_m_per_s REAL, -- contacts, by "farkas": any impulses violate one by at least this; else NULL

@@ -132,9 +132,25 @@ TEST(CertifyTest, SolutionsBeyondLemkesRaysAreFound) {
   expect_solution(certify(bare({0, 1, 1, 0}, {-2, -2})), vec({2, 2}));
 }
 
-// Its linear inequalities have solutions, and none of its cones has one: there is no short proof.
-TEST(CertifyTest, AFeasibleProblemWithoutSolutionStaysOpen) {
-  EXPECT_EQ(certify(bare({2, 0, 1, 0}, {-2, -2})).kind, CertificateKind::kOpen);
+/// A body between two walls that converge downwards and close in on it at 1 m/s, below the angle of friction: to part
+/// from both it has to rise, and friction holds it down. No frictionless contacts contradict each other.
+ContactProblem tapered_jam(double mu) {
+  ContactProblem jam = testing::frictionless(vec({0, 0}), Matrix{{1, -1}, {0.5, 0.5}}, DenseInertia{Matrix::Identity(2, 2)});
+  jam.b = vec({-1, -1});
+  jam.D = Matrix{{-0.5, 0.5, 0.5, -0.5}, {1, -1, 1, -1}};
+  jam.edges = {2, 2};
+  jam.mu = vec({mu, mu});
+  return jam;
+}
+
+// Their linear inequalities have solutions, and none of their cones has one: only that every basis fails is a proof.
+TEST(CertifyTest, FeasibleProblemsWithoutASolutionAreDecidedByEveryBasis) {
+  for (const Problem& problem : {bare({2, 0, 1, 0}, {-2, -2}), Problem("jam", tapered_jam(1))}) {
+    const Certificate certificate = certify(problem);
+    EXPECT_EQ(certificate.kind, CertificateKind::kUnsolvable) << certificate.detail;
+    EXPECT_EQ(certificate.proof, ProofKind::kEveryBasis);
+  }
+  EXPECT_EQ(certify(Problem("above the angle", tapered_jam(0.25))).kind, CertificateKind::kSolution);
 }
 
 TEST(CertifyTest, AnInfeasibleProblemIsContradicted) {
@@ -267,8 +283,7 @@ double nasty_entry(Draw& draw, int style) {
   }
 }
 
-// Random problems of few unknowns, most of them neither monotone nor copositive. Those that have a solution are all
-// solved; of those that have none, the ones whose linear inequalities contradict each other are contradicted.
+// Random problems of few unknowns, most of them neither monotone nor copositive: all are decided.
 TEST(CertifyTest, NastySmallProblemsAreDecidedAsByBruteForce) {
   Draw draw(20260721);
   int solvable = 0;
@@ -282,8 +297,9 @@ TEST(CertifyTest, NastySmallProblemsAreDecidedAsByBruteForce) {
     if (trial % 7 == 0) lcp.M = Matrix(lcp.M - lcp.M.transpose());
     const Certificate certificate = certify(Problem("nasty", lcp));
     const bool truth = solvable_by_brute_force(lcp);
-    ASSERT_EQ(certificate.kind == CertificateKind::kSolution, truth) << trial << ": " << certificate.detail;
-    (truth ? solvable : unsolvable) += certificate.kind == CertificateKind::kOpen ? 0 : 1;
+    ASSERT_EQ(certificate.kind, truth ? CertificateKind::kSolution : CertificateKind::kUnsolvable)
+        << trial << ": " << certificate.detail;
+    ++(truth ? solvable : unsolvable);
   }
   EXPECT_GT(solvable, 100);
   EXPECT_GT(unsolvable, 50);
