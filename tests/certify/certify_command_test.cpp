@@ -25,6 +25,14 @@ TEST_F(CertifyCommandTest, ANastyProblemDoesNotEndTheBatch) {
   EXPECT_EQ(rows[1]["certificate"], "solution");
 }
 
+// No solver has a proof for it, and none claims that there is no solution.
+TEST_F(CertifyCommandTest, SolveSettlesWhatNoSolverSolves) {
+  write_problem_of("feasible.json", R"("kind": "lcp", "M": [[2, 0], [1, 0]], "q": [-2, -2])");
+  const json rows = run_json("solve feasible.json --solver lemke --solver auto");
+  ASSERT_EQ(rows.size(), 2U);
+  for (const json& row : rows) EXPECT_EQ(row["truth"], "unsolvable") << row;
+}
+
 TEST_F(CertifyCommandTest, ContradictionInAStoreExitsWith1) {
   done("run --set paper/monotone/exp1 --solver lemke --trials 3 --store s.db");
   const json fine = run_json("certify --store s.db");
