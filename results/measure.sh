@@ -17,7 +17,7 @@ done
 program=build/release/lcpbench
 [ -x $program ] || { printf 'measure.sh: run ./run-study first, which builds %s\n' $program >&2; exit 2; }
 python=${PYTHON:-build/nanobind/bin/python} modules=${MODULES:-build/nanobind/node_modules}
-folder=$(mktemp -d)
+commit=$(git rev-parse HEAD) folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
 readme() {
@@ -33,7 +33,7 @@ quick() {
   cp "$folder/quick/tables/decision.csv" results/quick/decision.csv
   $program run quick --trials 10 --store "$folder/ten.db" > /dev/null
   $program report "$folder/ten.db" --out "$folder/ten" > /dev/null
-  python3 results/quick/pictures.py "$folder/ten/index.html" results/quick/scenes
+  python3 results/quick/pictures.py "$folder/ten/report.html" results/quick/scenes
 }
 replay() {
   local steppers=(convex pgs 'pgs{iterations=1,substeps=10}' sequential_impulses soft_step xpbd admm apgd)
@@ -53,7 +53,7 @@ replay() {
 
 for page in "$@"; do
   $page
-  python3 - "$page" "$(git rev-parse HEAD)" << 'END'
+  python3 - "$page" "$commit" << 'END'
 import datetime, json, pathlib, platform, re, sys
 page, commit = sys.argv[1:]
 cpu = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
