@@ -101,13 +101,11 @@ std::vector<Index> exchanged_basis(const ExactSystem& system, const Point& point
   return basis;
 }
 
-std::vector<std::vector<Index>> combinations(const Problem& problem, std::size_t limit) {
-  const ContactProblem* contact = problem.contact();
-  const ContactLayout layout = contact != nullptr ? contact_layout(*contact) : ContactLayout();
+std::vector<std::vector<Index>> combinations(const ContactProblem& contact, std::size_t limit) {
+  const ContactLayout layout = contact_layout(contact);
   std::vector<std::vector<Index>> all{{}};
-  for (Index i = 0; i < (contact != nullptr ? layout.nc : problem.size()); ++i) {
-    const std::vector<std::vector<Index>> own =
-        contact != nullptr ? modes(layout, i) : std::vector<std::vector<Index>>{{}, {i}};
+  for (Index i = 0; i < layout.nc; ++i) {
+    const std::vector<std::vector<Index>> own = modes(layout, i);
     if (all.size() * own.size() > limit) return {};
     std::vector<std::vector<Index>> longer;
     for (const std::vector<Index>& basis : all) {

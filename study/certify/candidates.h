@@ -50,9 +50,8 @@ Point point_on(
 std::vector<Index> exchanged_basis(const ExactSystem& system, const Point& point, const IntegerMatrix& values);
 
 /// Where other solutions are looked for: for each combination of what the contacts may do (open, stick, slide along a
-/// direction), or of the z_i of a bare LCP, the i whose z_i may be positive. None when there would be more than
-/// `limit`.
-std::vector<std::vector<Index>> combinations(const Problem& problem, std::size_t limit);
+/// direction), the i whose z_i may be positive. None when there would be more than `limit`.
+std::vector<std::vector<Index>> combinations(const ContactProblem& contact, std::size_t limit);
 
 /// An LCP with its unknowns backwards, from another one on for each number, and from number 1 on in other units, whole
 /// powers of two up to 2^6: what changes the paths of pivoting methods, and which of several solutions they end at.

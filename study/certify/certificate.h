@@ -23,7 +23,7 @@ enum class ProofKind {
   kNone,
   kExactBasis,  ///< `exact_z` is a solution: checked by multiplication
   kFarkas,      ///< `exact_farkas` contradicts solvability: checked by multiplication
-  kEveryBasis,       ///< no basis gives a solution: checked by trying every one again
+  kEveryBasis,  ///< no basis gives a solution: checked by trying every one again
   kLp,          ///< `exact_farkas` proves, for friction, that a solution exists, without giving one
 };
 

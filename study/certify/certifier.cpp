@@ -30,7 +30,7 @@ constexpr Index kLargestContactLemke = 40;
 constexpr Index kLargestQuad = 60;
 /// How many variants of a problem are tried in search of another velocity.
 constexpr Index kVelocityVariants = 16;
-/// Most combinations of contact modes, or of unknowns, to try one by one.
+/// Most combinations of contact modes to try one by one.
 constexpr std::size_t kCombinations = 2500;
 
 constexpr const char* kLemke = "lemke{test=none}";
@@ -132,7 +132,7 @@ class TruthSearch {
  private:
   bool decide_bare() {
     return solved_by(kLemke) || solved_by("auto") || contradicted() || settled_by_exact_lemke(kLargestBareLemke) ||
-           in_a_combination([](const Point&) { return true; }) || settled_by_every_basis();
+           settled_by_every_basis();
   }
 
   bool decide_monotone() {
@@ -406,14 +406,13 @@ class TruthSearch {
         edges, answer.z, [] { return std::optional<Point>(); }, accepts);
   }
 
-  // Every combination of contact modes, or of the unknowns of a bare LCP, where these are few.
+  /// Whether a solution of some combination of contact modes, where these are few, is one that `found` takes.
   template <class Found>
   bool in_a_combination(Found&& found) {
-    for (const std::vector<Index>& basis : combinations(problem_, kCombinations)) {
+    for (const std::vector<Index>& basis : combinations(*contact_, kCombinations)) {
       if (deadline_.passed()) return false;
       const Point point = point_on(system_, basis, deadline_);
-      if (!solves(point) || !found(point)) continue;
-      return solution_ || take_solution(point, "one of all bases");
+      if (solves(point) && found(point)) return true;
     }
     return false;
   }

@@ -185,6 +185,21 @@ def test_small_proofs(checker):
     expect(nested.startswith("malformed: "), f"nested too deep: {nested}")
 
 
+def test_every_basis(checker):
+    """That no basis gives a solution has no certificate but the trying: a false claim of it must be refuted by trying."""
+    def reason(M, q):
+        return checker.verdict(checker.Item("test", json.dumps(small_lcp(M, q, "unsolvable", "every_basis")), None))[1]
+
+    expect(reason([[2.0, 0.0], [1.0, 0.0]], [-2.0, -2.0]) == "", "z_0 would have to be 1 and at least 2")
+    expect(reason([[2.0, 0.0], [1.0, 0.0]], [-2.0, -1.0]) == "the basis [0] gives a solution", "z = (1, 0)")
+    expect(reason([[1.0]], [1.0]) == "the basis [] gives a solution", "z = 0")
+    # M_BB is singular at each solution z = (1, 0) and beyond: w_1 = z_0 - 1 alone tells where the vertex is.
+    expect(reason([[0.0, 0.0], [1.0, 0.0]], [0.0, -1.0]) == "the basis [0] gives a solution", "a singular basis")
+    expect(reason([[0.0, 0.0], [1.0, 0.0]], [-1.0, -1.0]) == "", "w_0 = -1")
+    many = checker.MOST_UNKNOWNS + 1
+    expect(reason([[0.0] * many] * many, [-1.0] * many).startswith("there are too many bases"), "no end of bases")
+
+
 def test_margins(checker):
     """Of proofs whose margins can be seen on paper."""
     def margin(M, q, farkas):
@@ -339,6 +354,7 @@ def main():
         store, documents = make_store(lcpbench, folder)
         test_documents(checker, documents)
         test_small_proofs(checker)
+        test_every_basis(checker)
         test_margins(checker)
         test_offsets(checker)
         test_compliance(checker, lcpbench, folder)
