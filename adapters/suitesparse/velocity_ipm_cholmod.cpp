@@ -217,7 +217,7 @@ class VelocityIpmCholmod final : public Solver {
     }
     const double deadline_s = wall_clock_s() + request.time_limit_s;
     method_.begin();
-    const InteriorPoint::Stop stop = method_.go_on(std::numeric_limits<double>::infinity(), deadline_s,
+    const InteriorPoint::Stop stop = method_.iterate(std::numeric_limits<double>::infinity(), deadline_s,
                                                    settings_.method.max_iterations, answer.counters);
     if (method_.iterated(stop, answer)) {
       settings_.method.finish ? method_.finish(answer.counters) : method_.drop_parting();

@@ -123,8 +123,6 @@ void ActiveSet::reserve(const Problem& problem) {
   dense_normals_.reserve(contact.ngc() * contact.nc());
   dense_inertia_.reserve(contact.ngc() * contact.ngc());
   farkas_.reserve(contact.nc());
-  z_.reserve(contact.nc());
-  velocity_.reserve(contact.ngc());
   islands_.reserve(contact.ngc(), contact.nc());
 }
 
@@ -135,8 +133,6 @@ void ActiveSet::on_load(const Problem& problem) {
   first_->load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_last_stage(dimensions_of(contact));
   farkas_.resize(input_.nc);
-  z_.resize(input_.nc);
-  velocity_.resize(input_.ngc);
   progress_ = {};
 }
 
@@ -202,25 +198,24 @@ void ActiveSet::begin_solve(const Vector* start) {
   if (start != nullptr && start->size() == input_.nc) rules_.start = start->data();
 }
 
-void ActiveSet::begin(const Vector* start, double /*error*/) {
-  begin_solve(start);
-  progress_.is_in_parts = true;
-  z_.view().setZero();
-}
-
-bool ActiveSet::go_on(double work, double deadline_s, Answer& answer) {
+bool ActiveSet::solve_within(const Budget& budget, Answer& answer) {
+  begin_solve(budget.start);
+  progress_.most_work = budget.work;
   rules_.begin_s = 0;
-  rules_.time_limit_s = deadline_s;
+  rules_.time_limit_s = budget.deadline_s;
+  answer.reserve(problem());
+  answer.z.resize(problem().size());
+  answer.z.setZero();
+  answer.velocity.resize(input_.ngc);
+  bool has_ended = true;
   if (is_too_late_for(0)) {
     outcome_.ending = Ending::kTimeLimit;
-  } else if (!proceed(work, z_.data(), velocity_.data())) {
-    return false;
+  } else {
+    has_ended = follow_stages(answer.z.data(), answer.velocity.data());
   }
-  answer.reserve(problem());
-  answer.z = z_.view();
-  answer.velocity = velocity_.view();
   finish(answer);
-  return true;
+  if (!has_ended) answer.claim = Claim::kIterationLimit;
+  return has_ended;
 }
 
 void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
@@ -233,37 +228,27 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   const bool reads_clock = !std::isinf(request.time_limit_s) && input_.ngc * input_.nc > kSmallSystem;
   rules_.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
   answer.velocity.resize(input_.ngc);
-  proceed(std::numeric_limits<double>::infinity(), answer.z.data(), answer.velocity.data());
+  follow_stages(answer.z.data(), answer.velocity.data());
   finish(answer);
 }
 
-double ActiveSet::best(Vector& z) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  const Ending ending = outcome_.ending;
-  const bool has_answer = ending == Ending::kSolved || ending == Ending::kRejected;
-  if (!progress_.is_in_parts || !has_answer) return kNone;
-  const double residual = first_->residual(z_.data());
-  if (!(residual < 1)) return kNone;
-  z = z_.view();
-  return residual;
+double ActiveSet::residual(const Answer& answer) {
+  const bool has_answer = outcome_.ending == Ending::kSolved || outcome_.ending == Ending::kRejected;
+  return has_answer ? first_->residual(answer.z.data()) : std::numeric_limits<double>::infinity();
 }
 
-/// Does so much more work. @returns whether it has ended
-bool ActiveSet::proceed(double work, double* z, double* velocity) {
-  progress_.most_work = progress_.work + work;
-  if (progress_.stage == 0) {
-    // Too small an inertia ends in kBreakdown in every precision: double finds that by itself, quad is not run.
-    if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
-      const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
-      if (!run(*first_, price, z, velocity)) return false;
-    }
-    if (settings_.precision != ActiveSetPrecision::kLadder || outcome_.ending == Ending::kSolved || stopped() ||
-        underflows(input_)) {
-      return true;
-    }
-    progress_.stage = 1;
-    rules_.start = nullptr;  // it may have been what misled the first stage
+/// @returns whether the solve has ended; if not, the budget of work is over
+bool ActiveSet::follow_stages(double* z, double* velocity) {
+  // Too small an inertia ends in kBreakdown in every precision: double finds that by itself, quad is not run.
+  if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
+    const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
+    if (!run(*first_, price, z, velocity)) return false;
   }
+  if (settings_.precision != ActiveSetPrecision::kLadder || outcome_.ending == Ending::kSolved || stopped() ||
+      underflows(input_)) {
+    return true;
+  }
+  rules_.start = nullptr;  // it may have been what misled the first stage
   return climb(z, velocity);
 }
 
@@ -308,42 +293,36 @@ bool ActiveSet::is_too_late_for(double work) const {
 }
 
 /// In 113 bits. What double refuses may be right: it is tested there before it is solved anew. What loading the engine
-/// will take is counted before it is done: where that is more than what is left of the part, in the next one.
+/// will take is counted before it is done.
 /// @returns whether it has ended
 bool ActiveSet::climb(double* z, double* velocity) {
-  if (!progress_.is_in_engine) {
-    const double work = kQuadPrice * load_work(problem(), 0);
-    if (is_too_late_for(work)) {
-      outcome_.ending = Ending::kTimeLimit;
-      return true;
-    }
-    if (!progress_.is_load_counted) {
-      progress_.work += work;
-      progress_.is_load_counted = true;
-      if (progress_.work > progress_.most_work) return false;
-    }
-    progress_.is_load_counted = false;
-    second_->load(input_);
-    if (outcome_.ending == Ending::kRejected && second_->accepts(z, accepted())) {
-      outcome_.ending = Ending::kSolved;
-      return true;
-    }
-    if (std::isnan(rules_.begin_s)) rules_.begin_s = wall_clock_s();
-    progress_.detail = "quad stage";
+  const double work = kQuadPrice * load_work(problem(), 0);
+  if (is_too_late_for(work)) {
+    outcome_.ending = Ending::kTimeLimit;
+    return true;
   }
+  progress_.work += work;
+  if (progress_.work > progress_.most_work) return false;
+  second_->load(input_);
+  if (outcome_.ending == Ending::kRejected && second_->accepts(z, accepted())) {
+    outcome_.ending = Ending::kSolved;
+    return true;
+  }
+  if (std::isnan(rules_.begin_s)) rules_.begin_s = wall_clock_s();
+  progress_.detail = "quad stage";
   return run(*second_, kQuadPrice, z, velocity);
 }
 
-/// The solve of a stage, or more of it: the outcome counts the steps of all. @returns whether it has ended
+/// The solve of a stage: the outcome counts the steps of all. @returns whether it has ended
 bool ActiveSet::run(active_set::Engine& engine, double price, double* z, double* velocity) {
-  rules_.goes_on = progress_.is_in_engine;
-  if (!rules_.goes_on) progress_.work_before_engine = progress_.work;
-  const double left = std::ceil((progress_.most_work - progress_.work_before_engine) / price);
+  const double left = std::ceil((progress_.most_work - progress_.work) / price);
   rules_.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : active_set::Rules{}.max_work;
   const active_set::Outcome next = engine.solve(rules_, z, velocity, farkas_.data());
-  progress_.work = progress_.work_before_engine + price * static_cast<double>(next.work);
-  progress_.is_in_engine = next.ending == Ending::kWorkLimit;
-  if (progress_.is_in_engine) return false;
+  progress_.work += price * static_cast<double>(next.work);
+  if (next.ending == Ending::kWorkLimit) {
+    if (outcome_.ending != Ending::kRejected) outcome_.ending = Ending::kStepLimit;
+    return false;
+  }
   outcome_.ending = next.ending;
   outcome_.has_velocity = next.has_velocity;
   outcome_.is_singular = next.is_singular;

@@ -10,7 +10,7 @@
 #include "core/solver.h"
 #include "native/active_set/active_set_engine.h"
 #include "native/contacts/growing_vector.h"
-#include "native/contacts/resumable_solver.h"
+#include "native/contacts/budgeted_solver.h"
 #include "native/proofs/doubtful_inertia.h"
 #include "native/proofs/farkas_support.h"
 
@@ -53,20 +53,17 @@ struct ActiveSetSettings {
 /// contacts approach whatever the impulses (FarkasSupport; `farkas` is that u, rounded); kIterationLimit, kTimeLimit;
 /// kNumericalFailure: the test failed, no such proof was found, or the inertia is not semidefinite or too close to
 /// singular for the precision. SolveRequest::start: its positive entries are the first active set.
-class ActiveSet final : public ResumableSolver {
+class ActiveSet final : public BudgetedSolver {
  public:
   /// @param level instruction-set level of the engines; must not exceed best_isa_level().
   explicit ActiveSet(const ActiveSetSettings& settings, IsaLevel level = isa_level());
 
   const Capabilities& capabilities() const override;
 
-  /// @param error without effect: the method ends in an answer to rounding or in none
-  void begin(const Vector* start, double error) override;
-  bool go_on(double work, double deadline_s, Answer& answer) override;
+  /// Budget::error has no effect: the method ends in an answer to rounding or in none.
+  bool solve_within(const Budget& budget, Answer& answer) override;
   double work() const override { return progress_.work; }
-  /// There is one once the iteration in one precision has ended, and only in a solve in parts. None where the residual
-  /// is 1 or more: no impulses leave less.
-  double best(Vector& z) override;
+  double residual(const Answer& answer) override;
 
   /// What load() takes, in the units of work(). @param idle coordinates that no contact moves, which are left out
   static double load_work(const Problem& problem, Index idle);
@@ -79,12 +76,7 @@ class ActiveSet final : public ResumableSolver {
   /// Of one solve, over all its stages.
   struct Progress {
     double work = 0;
-    double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the present part ends
-    bool is_in_parts = false;
-    int stage = 0;                 ///< 0: the first; 1: 113 bits after double
-    bool is_in_engine = false;     ///< the engine of the stage has stopped and is to go on in the next part
-    double work_before_engine = 0;
-    bool is_load_counted = false;  ///< `work` has the load of the engine in 113 bits, which is still to be done
+    double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the solve ends
     const char* detail = "";
   };
 
@@ -94,7 +86,7 @@ class ActiveSet final : public ResumableSolver {
   void reserve_last_stage(const active_set::Input& sizes);
   void describe(const ContactProblem& contact);
   void begin_solve(const Vector* start);
-  bool proceed(double work, double* z, double* velocity);
+  bool follow_stages(double* z, double* velocity);
   bool climb(double* z, double* velocity);
   bool run(active_set::Engine& engine, double price, double* z, double* velocity);
   bool is_too_late_for(double work) const;
@@ -112,8 +104,7 @@ class ActiveSet final : public ResumableSolver {
   Progress progress_;
   active_set::Rules rules_;      // of the present stage
   active_set::Outcome outcome_;  // of the last stage that ended; steps and factorizations of all
-  GrowingVector z_, velocity_;  // of the last stage, where the solve is done in parts
-  active_set::Input input_;     // points into the problem, or into what follows
+  active_set::Input input_;      // points into the problem, or into what follows
   DoubtfulInertia doubtful_;
   IslandNumbers islands_;  // found only where the inertia does not couple all
   GrowingVector v_;

@@ -38,7 +38,6 @@ struct Rules {
   double accept_residual = 0;     ///< of the engine's own test, its rounding included; relative to each island's scale
   std::ptrdiff_t max_steps = 0;   ///< changes of the active set
   std::ptrdiff_t max_work = __PTRDIFF_MAX__;  ///< Outcome::work at which it stops before its next step
-  bool goes_on = false;           ///< from where the last solve stopped at max_work, by the same rules
   double time_limit_s = 0;        ///< infinity: none
   double begin_s = 0;             ///< from when the limit counts, on the clock below; NaN: from its first reading
   double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 steps where there is a limit

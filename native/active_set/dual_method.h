@@ -82,20 +82,15 @@ class DualMethod final : public Engine {
     if (!usable_) return {};
     begin_s_ = rules.begin_s;
     Outcome outcome;
-    if (rules.goes_on) {
-      outcome = stopped_;
-    } else {
-      outcome.work = kWorkOfShortestSolve;
-      start();
-      if (whitening_.is_soft()) {
-        yielding_.begin(given_.data(), rules.start);
-      } else if (rules.start != nullptr) {
-        warm_start(rules, outcome);
-      }
+    outcome.work = kWorkOfShortestSolve;
+    start();
+    if (whitening_.is_soft()) {
+      yielding_.begin(given_.data(), rules.start);
+    } else if (rules.start != nullptr) {
+      warm_start(rules, outcome);
     }
     if (mu_ != nullptr) return yield_with_friction(rules, outcome, z);
     outcome.ending = whitening_.is_soft() ? yield(rules, outcome) : iterate(rules, outcome);
-    if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
     if (outcome.ending == Ending::kInfeasible) write_farkas(u);
     if (outcome.ending != Ending::kSolved) return outcome;
     if (whitening_.is_soft()) {
@@ -188,8 +183,8 @@ class DualMethod final : public Engine {
   }
 
   Ending iterate(const Rules& rules, Outcome& outcome) {
-    if (!rules.goes_on && immovable_contact_is_violated()) return Ending::kInfeasible;
-    for (bool added = !rules.goes_on;;) {  // the last contact that enters
+    if (immovable_contact_is_violated()) return Ending::kInfeasible;
+    for (bool added = true;;) {  // the last contact that enters
       if (added) {
         const Count contact = most_violated();
         if (contact < 0) return Ending::kSolved;
@@ -447,7 +442,6 @@ class DualMethod final : public Engine {
   };
 
   Dimensions reserved_;
-  Outcome stopped_;  ///< at a limit on work
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;
   Whitening<Scalar> whitening_;

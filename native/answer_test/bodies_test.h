@@ -33,7 +33,7 @@ class BodiesTest {
   contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
   contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
 
-  /// Of complete_in_quad(), about, see ResumableSolver::work(). It depends on the data alone.
+  /// Of complete_in_quad(), about, see BudgetedSolver::work(). It depends on the data alone.
   double work_in_quad() const { return work_in_quad_; }
 
   /// A lower bound on the velocity residual of the answer that was completed last. If that of double is above what is

@@ -7,7 +7,7 @@
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
 #include "native/contacts/contact_impulses.h"
-#include "native/contacts/resumable_solver.h"
+#include "native/contacts/budgeted_solver.h"
 
 namespace lcpbench {
 
@@ -43,33 +43,35 @@ class ImpulseSolver : public Base {
   AnswerTest test_;
 };
 
-/// An ImpulseSolver whose solves can be done in parts.
-template <class Base = ResumableSolver>
-class ResumableImpulseSolver : public ImpulseSolver<Base> {
+/// An ImpulseSolver whose solves a budget may end.
+template <class Base = BudgetedSolver>
+class BudgetedImpulseSolver : public ImpulseSolver<Base> {
  public:
-  bool go_on(double work, double deadline_s, Answer& answer) final {
+  bool solve_within(const Budget& budget, Answer& answer) override {
+    bool has_ended = true;
+    begin(budget.start, budget.error);
     if (!this->refusal_.empty()) {
       result_.claim = Claim::kUnsupported;
       result_.detail = this->refusal_;
     } else if (!(this->state_.scale > 0)) {
-      this->claim_rest(deadline_s, result_);
-    } else if (!run(work, deadline_s)) {
-      return false;
+      this->claim_rest(budget.deadline_s, result_);
+    } else {
+      has_ended = run(budget.work, budget.deadline_s);
     }
     answer.reserve(this->problem());
     answer = result_;
-    return true;
+    return has_ended;
   }
 
  protected:
-  /// Goes on until so much more work is done, or the solve has ended. @pre q is not 0
-  /// @returns whether it has ended, with what result_ says
+  /// Begins a solve: result_ by begin_result(), and all that does not outlast a solve.
+  virtual void begin(const Vector* start, double error) = 0;
+  /// @pre q is not 0 @returns whether the solve has ended, with what result_ says; if not, so much work is done
   virtual bool run(double work, double deadline_s) = 0;
 
   void on_solve(const SolveRequest& request, Answer& answer) final {
     const double deadline_s = wall_clock_s() + request.time_limit_s;
-    this->begin(this->capabilities().warm_start ? request.start : nullptr, 0);
-    go_on(std::numeric_limits<double>::infinity(), deadline_s, answer);
+    solve_within({.start = this->capabilities().warm_start ? request.start : nullptr, .deadline_s = deadline_s}, answer);
   }
 
   void begin_result(const Counters& counters) {
@@ -92,30 +94,42 @@ class ResumableImpulseSolver : public ImpulseSolver<Base> {
 };
 
 /// A method in rounds whose residual need not fall: the impulses of the smallest residual are its answer.
-class BestImpulseSolver : public ResumableImpulseSolver<> {
+template <class Base = BudgetedSolver>
+class BestImpulseSolver : public BudgetedImpulseSolver<Base> {
+ public:
+  double residual(const Answer& /*answer*/) override {
+    if (!this->refusal_.empty()) return std::numeric_limits<double>::infinity();
+    return this->state_.scale > 0 ? best_.residual : 0;
+  }
+
  protected:
   /// Of one solve.
   struct Best {
     double tolerance = 0;        ///< of the residual, relative to the scale: where the rounds end
     double accept_residual = 0;  ///< and up to where the impulses are claimed
     double residual = std::numeric_limits<double>::infinity();  ///< the least so far, that of best_impulse_
-    double work = 0;  ///< see ResumableSolver::work(); a method may have more of its own
+    double work = 0;  ///< see BudgetedSolver::work(); a method may have more of its own
   };
 
   /// Ends the solve with the best impulses. @param claim  if their residual is more than accept_residual
   /// @returns whether the solve has ended; if they fail the test of what is claimed, it goes on to a smaller residual
   bool end(Claim claim, double deadline_s) {
     constexpr double kTighter = 0.25;
-    state_.impulse = best_impulse_;
-    state_.recompute_velocity();
+    report_best(claim);
+    if (!(best_.residual <= best_.accept_residual) || this->settle(deadline_s, best_.work)) return true;
+    this->state_.drop_what_counts_as_zero();
     report(claim);
-    if (!(best_.residual <= best_.accept_residual) || settle(deadline_s, best_.work)) return true;
-    state_.drop_what_counts_as_zero();
-    report(claim);
-    if (settle(deadline_s, best_.work)) return true;
+    if (this->settle(deadline_s, best_.work)) return true;
     if (!can_improve() || best_.residual > best_.tolerance || best_.residual <= kSureResidual) return true;
     best_.tolerance = kTighter * best_.residual;
     return false;
+  }
+
+  /// Hands out the best impulses, where the budget of work is over.
+  void report_best(Claim claim) {
+    this->state_.impulse = best_impulse_;
+    this->state_.recompute_velocity();
+    report(claim);
   }
 
   /// Whether another round may have a smaller residual.
@@ -129,9 +143,9 @@ class BestImpulseSolver : public ResumableImpulseSolver<> {
  private:
   /// The impulses of the state.
   void report(Claim claim) {
-    result_.claim = claim;
-    state_.write_answer(result_.z);
-    describe(result_.detail);
+    this->result_.claim = claim;
+    this->state_.write_answer(this->result_.z);
+    describe(this->result_.detail);
   }
 };
 

@@ -14,9 +14,8 @@
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/rest.h"
 #include "native/auto/even_impulses.h"
-#include "native/auto/features.h"
 #include "native/auto/island.h"
-#include "native/auto/island_race.h"
+#include "native/auto/island_solver.h"
 #include "native/auto/methods.h"
 #include "native/auto/report.h"
 #include "native/contacts/contact_impulses.h"
@@ -60,7 +59,7 @@ double error_of(const AutoSettings& settings) {
   return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
 }
 
-/// What a user should call: an IslandRace for each island of contacts, LcpLadder for each block of a bare LCP, in which
+/// What a user should call: an IslandSolver for each island of contacts, LcpLadder for each block of a bare LCP, in which
 /// free unknowns that were written as the difference of two are one again. Hands out the best answer that was tested.
 /// See docs/reference/solvers/auto.md.
 ///
@@ -117,13 +116,13 @@ class Auto final : public Solver {
 
   std::shared_ptr<LaterEngines> later_;
   Methods shared_{later_};
-  bool is_whole_ = false;     // one island that is the whole problem: goes to its race as it is
+  bool is_whole_ = false;     // one island that is the whole problem: goes to its solver as it is
   bool may_remain_ = false;   // then it is not solved while nothing approaches
   bool remains_ = false;      // so it is now
   bool has_methods_ = false;  // whole_ is loaded
-  IslandRace whole_{shared_, later_, error_of(settings_), true};
+  IslandSolver whole_{shared_, later_, error_of(settings_), true};
 
-  IslandNumbers numbers_;  // unless the problem plainly goes to its race as a whole
+  IslandNumbers numbers_;  // unless the problem plainly goes to its solver as a whole
   std::vector<Island> found_;
   ProblemCutter cutter_;
   std::vector<std::unique_ptr<IslandOfProblem>> islands_;  // kept for the next problem
@@ -378,7 +377,7 @@ AutoLimits Auto::limits_of(const SolveRequest& request) const {
   return {.deadline_s = wall_clock_s() + request.time_limit_s, .error = error_of(settings_)};
 }
 
-/// Each island may take a share of the time that is left, half of it alike for all, half as they are predicted to take.
+/// Each island may take a share of the time that is left, half of it alike for all, half as they are likely to take.
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   const AutoLimits limits = limits_of(request);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
@@ -387,18 +386,18 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   u_ = v_;
   double remaining = 0;
   const bool shares_time = !std::isinf(limits.deadline_s) && count_ > 1;
-  for (std::size_t k = 0; shares_time && k < count_; ++k) remaining += islands_[k]->predicted();
+  for (std::size_t k = 0; shares_time && k < count_; ++k) remaining += islands_[k]->likely_work();
   const IslandOfProblem* failed = nullptr;
   for (std::size_t k = 0; k < count_; ++k) {
     IslandOfProblem& island = *islands_[k];
     AutoLimits own = limits;
-    const double predicted = shares_time ? island.predicted() : 0;
-    if (shares_time && predicted < remaining) {
+    const double likely = shares_time ? island.likely_work() : 0;
+    if (shares_time && likely < remaining) {
       const double now_s = wall_clock_s();
       const double alike = 1 / static_cast<double>(count_ - k);
-      own.deadline_s = now_s + (limits.deadline_s - now_s) * (alike + predicted / remaining) / 2;
+      own.deadline_s = now_s + (limits.deadline_s - now_s) * (alike + likely / remaining) / 2;
     }
-    remaining -= predicted;
+    remaining -= likely;
     const Claim claim = island.solve(start, own, answer.z, u_, report);
     if (claim == Claim::kSolved) continue;
     if (failed == nullptr || claim == Claim::kUnsolvable) failed = &island;
@@ -453,7 +452,7 @@ void Auto::bound_slips(const Vector& u, Vector& z) const {
 SolverDefinition lcpbench_solver_auto() {
   return define_solver<Auto, AutoSettings>(
       {.name = "auto",
-       .summary = "recommended: methods race on each island of contacts, take turns on a bare LCP; answers tested",
+       .summary = "recommended: methods take turns on each island of contacts and on a bare LCP; answers tested",
        .source = "this project; see the sources of its methods",
        .capabilities = kCapabilities});
 }

@@ -11,7 +11,7 @@
 
 namespace lcpbench {
 void IslandOfProblem::load(ProblemCutter& whole, const Island& island, const Vector& v, std::vector<char>& carries,
-                           const IslandRace::Load& how) {
+                           const IslandSolver::Load& how) {
   cutter_ = &whole;
   how_ = how;
   carries_ = &carries;
@@ -28,10 +28,10 @@ void IslandOfProblem::update(const Vector& v) {
   if (is_at_rest_) return;
   if (is_loaded_) {
     for (Index i = 0; i < v_.size(); ++i) v_(i) = v(island_.coordinates[static_cast<std::size_t>(i)]);
-    return race_.update(v_);
+    return solver_.update(v_);
   }
   cut(v);
-  race_.load(problem_, v_, how_);
+  solver_.load(problem_, v_, how_);
   is_loaded_ = true;
 }
 
@@ -93,7 +93,7 @@ Claim IslandOfProblem::solve(const Vector* start, const AutoLimits& limits, Vect
   if (start != nullptr) {
     for (Index i = 0; i < start_.size(); ++i) start_(i) = (*start)(place_[static_cast<std::size_t>(i)]);
   }
-  race_.solve(start != nullptr ? &start_ : nullptr, limits, answer_, report);
+  solver_.solve(start != nullptr ? &start_ : nullptr, limits, answer_, report);
   if (answer_.claim != Claim::kSolved && answer_.claim != Claim::kUnsolvable && rests(u)) {
     is_at_rest_ = true;
     return remain_at_rest(report);
@@ -107,7 +107,7 @@ Claim IslandOfProblem::solve(const Vector* start, const AutoLimits& limits, Vect
 }
 
 void IslandOfProblem::write_velocity(Vector& u) {
-  if (answer_.velocity.size() == 0) race_.respond(answer_, u_);
+  if (answer_.velocity.size() == 0) solver_.respond(answer_, u_);
   const Vector& own = answer_.velocity.size() > 0 ? static_cast<const Vector&>(answer_.velocity) : u_;
   for (Index i = 0; i < own.size(); ++i) u(island_.coordinates[static_cast<std::size_t>(i)]) = own(i);
 }

@@ -6,7 +6,7 @@
 #include "core/islands.h"
 #include "core/problem.h"
 #include "core/solver.h"
-#include "native/auto/island_race.h"
+#include "native/auto/island_solver.h"
 #include "native/contacts/problem_cutter.h"
 #include "native/auto/report.h"
 
@@ -18,12 +18,12 @@ namespace lcpbench {
 class IslandOfProblem {
  public:
   IslandOfProblem(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error)
-      : race_(shared, later, error, false) {}
+      : solver_(shared, later, error, false) {}
 
   /// Cuts the problem out. @param whole must outlive the next load @param v velocity of the whole problem
   /// @param carries per contact of the whole; 1 for those whose lambda the answer of solve() includes
   void load(ProblemCutter& whole, const Island& island, const Vector& v, std::vector<char>& carries,
-            const IslandRace::Load& how);
+            const IslandSolver::Load& how);
   /// Another velocity. Loads the methods if a contact approaches for the first time since load().
   void update(const Vector& v);
 
@@ -37,8 +37,8 @@ class IslandOfProblem {
   const std::vector<Index>& contacts() const { return island_.contacts; }
   /// The last solve gave a velocity of the solver's own, which is in u.
   bool gave_velocity() const { return is_at_rest_ || answer_.velocity.size() > 0; }
-  /// Work that the island is predicted to take; 0 at rest.
-  double predicted() { return is_at_rest_ ? 0 : race_.predicted(); }
+  /// Work that the island is likely to take; 0 at rest.
+  double likely_work() const { return is_at_rest_ ? 0 : solver_.likely_work(); }
 
  private:
   void cut(const Vector& v);
@@ -52,8 +52,8 @@ class IslandOfProblem {
   std::vector<char>* carries_ = nullptr;
   Island island_;
   bool is_at_rest_ = false;
-  bool is_loaded_ = false;  ///< the race
-  IslandRace::Load how_;
+  bool is_loaded_ = false;  ///< solver_
+  IslandSolver::Load how_;
 
   /// The data of problem_, unless that is the whole, and those of an earlier one, which solvers may still read. Only
   /// data that nobody else has are written over.
@@ -62,7 +62,7 @@ class IslandOfProblem {
   std::vector<Index> place_;  ///< in z of the whole, of each unknown
   Vector v_, u_, start_;
   Answer answer_;
-  IslandRace race_;
+  IslandSolver solver_;
 };
 
 }  // namespace lcpbench

@@ -7,17 +7,16 @@
 #include <utility>
 
 #include "core/timed_solve.h"
-#include "native/auto/island_race.h"
+#include "native/auto/island_solver.h"
+#include "native/friction_ipm/friction_ipm.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Of LeastEnergy::work().
-constexpr double kNsPerMultiplication = 0.25;
-/// What friction_ipm takes with its load to find rest, over the load: the median of 184 measured problems is 2.5.
-constexpr double kRestOverLoad = 3;
+/// A multiplication of LeastEnergy takes so many times as long as one of contact_lemke.
+constexpr double kPriceOfLeastEnergy = 3;
 
 /// Guesses which contacts hold, on islands whose first method is loaded. On others those after the first hardly ever
 /// find it.
@@ -33,18 +32,15 @@ constexpr double kSlippingShare = 1e-7;
 /// Residual of the first convex problem of friction_ipm that may be one of rest, and the least to which it is solved.
 constexpr double kNearlyConvex = 1e-2, kFinestError = 1e-12;
 
-/// Steps of the interior point after which its velocity may show that there is no rest.
-constexpr int kStepsToRefute = 3;
-
 }  // namespace
 
-Rest& IslandRace::loaded_rest() {
+Rest& IslandSolver::loaded_rest() {
   if (!has_rest_) rest_.load(*problem_->contact(), v_);
   has_rest_ = true;
   return rest_;
 }
 
-StickingContacts& IslandRace::loaded_sticking() {
+StickingContacts& IslandSolver::loaded_sticking() {
   if (sticking_ == nullptr) sticking_ = std::make_unique<StickingContacts>(is_whole_);
   if (!has_sticking_) sticking_->load(*problem_, v_);
   has_sticking_ = true;
@@ -53,7 +49,7 @@ StickingContacts& IslandRace::loaded_sticking() {
 
 /// Whether the impulses of the last step hold the island at rest: as they are, or balanced anew where that takes less
 /// than to find them.
-bool IslandRace::still_rests(const Vector& start, Answer& answer, AutoReport& report) {
+bool IslandSolver::still_rests(const Vector& start, Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
   if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start)) return false;
   const double imbalance = loaded_rest().imbalance(start);
@@ -73,14 +69,14 @@ bool IslandRace::still_rests(const Vector& start, Answer& answer, AutoReport& re
   return true;
 }
 
-bool IslandRace::guesses(const Vector* start) const {
+bool IslandSolver::guesses(const Vector* start) const {
   if (start == nullptr || pauses_) return false;
   const ContactProblem& contact = *problem_->contact();
   return StickingContacts::is_worth_a_guess(contact, !waits_) && StickingContacts::sticking(contact, v_, *start);
 }
 
 /// Whether the contacts that pressed in the last step hold again.
-bool IslandRace::sticks_again(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+bool IslandSolver::sticks_again(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
   const int tries = StickingContacts::is_worth_a_guess(*problem_->contact(), true) ? kStickingTries : 1;
   const bool found = loaded_sticking().solve(start, tries, limits.deadline_s, answer, work);
@@ -97,19 +93,18 @@ bool IslandRace::sticks_again(const Vector& start, const AutoLimits& limits, Ans
   return true;
 }
 
-/// Predicted, of the convex problem of rest; infinity where the method does not take it.
-double IslandRace::cost_of_active_sets() const {
+/// Likely, of the convex problem of rest; infinity where the method does not take it.
+double IslandSolver::work_of_active_sets() const {
   const bool is_small = Methods::takes(AutoMethod::kContactLemke, *problem_);
-  return is_small ? kNsPerMultiplication * LeastEnergy::work(*problem_->contact(), idle_) : kInfinity;
+  return is_small ? kPriceOfLeastEnergy * LeastEnergy::work(*problem_->contact(), idle_) : kInfinity;
 }
 
-double IslandRace::cost_of_interior_point() {
-  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
-  return ipm < count_ ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;
+double IslandSolver::work_of_interior_point() const {
+  return order_.has(AutoMethod::kFrictionIpm) ? order_.likely_work_of_rest() : kInfinity;
 }
 
 /// Whether the impulses of least energy are an answer: they are unless a contact with friction presses and slips.
-bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+bool IslandSolver::rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   if (!(wall_clock_s() < limits.deadline_s)) return false;
   LeastEnergy& least_energy = methods_->loaded_least_energy();
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
@@ -133,32 +128,22 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
 
 /// Whether the first convex problem of friction_ipm is an answer. If its impulses are near those of rest, but none that
 /// hold are found near them, it is solved once more, to rounding.
-bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  const std::size_t entrant = entrant_of(AutoMethod::kFrictionIpm);
-  if (entrant == count_) return false;
-  bool has_run = has_raced_ && race_.has_run(entrant);
-  ResumableSolver& ipm = methods_->loaded(AutoMethod::kFrictionIpm);
-  if (!has_run) report.count(AutoMethod::kFrictionIpm);
+bool IslandSolver::rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  if (!order_.has(AutoMethod::kFrictionIpm)) return false;
+  const Progress progress = progress_[static_cast<std::size_t>(AutoMethod::kFrictionIpm)];
+  const bool has_answer = std::ranges::any_of(progress_, [](Progress each) { return each != Progress::kNone; });
+  auto& ipm = static_cast<FrictionIpmSolver&>(methods_->loaded(AutoMethod::kFrictionIpm));
+  if (progress == Progress::kNone) report.count(AutoMethod::kFrictionIpm);
   const AutoMethod answered_by = std::exchange(answered_by_, AutoMethod::kFrictionIpm);
   const auto held = std::make_unique<Answer>();
   for (const double error : {aim_of(limits.error), kFinestError}) {
-    if (has_raced_ && has_run && error != kFinestError && race_.has_ended(entrant)) continue;
-    if (!has_run || error == kFinestError) ipm.begin(nullptr, error);
-    has_run = true;
-    bool has_ended = false;
-    for (int step = 1; !has_ended && !ipm.residual_tells(); ++step) {
-      has_ended = ipm.go_on(1, limits.deadline_s, *held);
-      // After the race its answer has led to no proof.
-      if (!has_ended && step == kStepsToRefute && !has_raced_ && is_refuted_by(ipm, *held)) {
-        knows_no_rest_ = true;
-        answered_by_ = answered_by;
-        return false;
-      }
-    }
-    const bool claimed = has_ended && held->claim == Claim::kSolved;
+    if (error != kFinestError && progress == Progress::kEnded) continue;
+    // The answer of another method has led to no proof.
+    const auto is_refuted = [&](const Vector& z) { return !has_answer && is_refuted_near(z); };
+    if (!ipm.solve_convex({.error = error, .deadline_s = limits.deadline_s}, is_refuted, *held)) break;
+    const bool claimed = held->claim == Claim::kSolved;
     if (!claimed) {
-      held->z.resize(problem_->size());
-      if (!(ipm.best(held->z) < kNearlyConvex)) break;
+      if (!(ipm.residual(*held) < kNearlyConvex)) break;
       held->velocity.resize(0);
       held->claim = Claim::kSolved;
     }
@@ -178,19 +163,16 @@ bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answe
   return false;
 }
 
-/// Whether the velocity that the method has come to shows that contacts cannot all rest: it tends to one with which
-/// they all part. @param scratch is written over
-bool IslandRace::is_refuted_by(ResumableSolver& method, Answer& scratch) {
-  scratch.z.resize(problem_->size());
-  if (!(method.best(scratch.z) < kInfinity)) return false;
+/// Whether the velocity of these impulses shows that contacts cannot all rest: they tend to ones with which all part.
+bool IslandSolver::is_refuted_near(const Vector& z) {
   answered_u_.resize(problem_->contact()->ngc());
-  methods_->respond(answered_by_, scratch.z, answered_u_);
+  methods_->respond(answered_by_, z, answered_u_);
   return loaded_rest().is_refuted(answered_u_);
 }
 
 /// Whether some contact slips without parting at mu times the speed of its slip: only then is the answer not that of
 /// least energy. Leaves its velocity in answered_u_ if it was needed.
-bool IslandRace::slips(const Answer& answer) {
+bool IslandSolver::slips(const Answer& answer) {
   const ContactProblem& contact = *problem_->contact();
   const double most = kSlippingShare * v_.lpNorm<Eigen::Infinity>();
   has_answered_u_ = false;
@@ -208,7 +190,7 @@ bool IslandRace::slips(const Answer& answer) {
 }
 
 /// The velocity of the answer into answered_u_.
-void IslandRace::find_velocity(const Answer& answer) {
+void IslandSolver::find_velocity(const Answer& answer) {
   if (has_answered_u_) return;
   has_answered_u_ = true;
   answered_u_.resize(problem_->contact()->ngc());
@@ -220,7 +202,7 @@ void IslandRace::find_velocity(const Answer& answer) {
 }
 
 /// Whether no proof is found that contacts, of which some slip in an answer, could not all rest.
-bool IslandRace::may_rest_instead(const Answer& answer) {
+bool IslandSolver::may_rest_instead(const Answer& answer) {
   if (knows_no_rest_ || answered_by_ == AutoMethod::kFrictionIpm) return false;
   if (!Rest::takes(*problem_->contact()) || !loaded_rest().is_possible()) return false;
   find_velocity(answer);
@@ -229,10 +211,10 @@ bool IslandRace::may_rest_instead(const Answer& answer) {
 
 /// Solves the convex problem of rest, by what takes less work; by the other if that decides nothing. @returns whether
 /// its solution is an answer
-bool IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+bool IslandSolver::find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
-  const double by_active_sets = LeastEnergy::takes(contact) ? cost_of_active_sets() : kInfinity;
-  const double by_ipm = cost_of_interior_point();
+  const double by_active_sets = LeastEnergy::takes(contact) ? work_of_active_sets() : kInfinity;
+  const double by_ipm = work_of_interior_point();
   for (const bool active_sets : {by_active_sets <= by_ipm, by_active_sets > by_ipm}) {
     if (knows_no_rest_ || !((active_sets ? by_active_sets : by_ipm) < kInfinity)) continue;
     const bool found =
@@ -244,7 +226,7 @@ bool IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport&
 
 /// Puts impulses that balance the momentum in place of those of an answer near them. @returns whether they were found;
 /// is_unsettled_: there may be some all the same, which the method was not precise enough to lead to
-bool IslandRace::balance(double imbalance, Answer& answer, AutoReport& report) {
+bool IslandSolver::balance(double imbalance, Answer& answer, AutoReport& report) {
   const bool is_precise = Methods::is_dense(answered_by_) && rest_.ratio_of_masses() < Rest::kUnlike;
   if (held_ == nullptr) held_ = std::make_unique<Answer>();
   *held_ = answer;
@@ -269,7 +251,7 @@ bool IslandRace::balance(double imbalance, Answer& answer, AutoReport& report) {
 
 /// Makes an answer that rests but for rounding or an iterative method's error rest exactly: impulses nearby that
 /// balance the momentum to rounding, and the velocity zero. @returns false if it nearly rests, and none were found
-bool IslandRace::settle_at_rest(Answer& answer, AutoReport& report) {
+bool IslandSolver::settle_at_rest(Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
   if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return true;
   Rest& rest = loaded_rest();

@@ -12,22 +12,19 @@ namespace {
 /// dense_entries() up to which a dense method is loaded. One then takes about 600 MB of addresses.
 constexpr Index kMostEntries = 4'000'000;
 
-/// kExact: contact_lemke solves the contacts at which the sweeps make no progress. A race reaches so many sweeps only
-/// where all other methods have given up.
-constexpr PsorSettings sweeps(double relaxation) {
-  return {.max_iterations = 900'000,
-          .relaxation = relaxation,
-          .tolerance = 1e-9,
-          .acceleration = PsorSettings::Acceleration::kExact};
-}
+/// kExact: contact_lemke solves the contacts at which the sweeps make no progress. So many sweeps are made only where
+/// all other methods have given up.
+constexpr PsorSettings kSweeps{.max_iterations = 900'000,
+                               .relaxation = 1,
+                               .tolerance = 1e-9,
+                               .acceleration = PsorSettings::Acceleration::kExact};
 
-std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
+std::unique_ptr<BudgetedSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
   switch (method) {
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return make_velocity_ipm();
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
-    case AutoMethod::kPsor: return make_psor(sweeps(1));
-    case AutoMethod::kOverRelaxedPsor: return make_psor(sweeps(1.3));
+    case AutoMethod::kPsor: return make_psor(kSweeps);
     case AutoMethod::kContactIpm: return make_contact_ipm();
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
@@ -42,6 +39,11 @@ bool Methods::takes(AutoMethod method, const Problem& problem) {
   if (method == AutoMethod::kContactLemke && problem.size() > lemke.max_size) return why_not(lemke, problem).empty();
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
   return method != AutoMethod::kContactIpm || contact.inertia.index() <= 1;  // G is given
+}
+
+double Methods::load_work(AutoMethod method, const Problem& problem, Index idle) {
+  if (method == AutoMethod::kActiveSet) return ActiveSet::load_work(problem, idle);
+  return method == AutoMethod::kContactLemke ? ContactLemke::load_work(problem, idle) : 0;
 }
 
 void Methods::begin(const Problem& problem, const Vector& v, bool is_one_island) {
@@ -60,8 +62,8 @@ void Methods::set_velocity(const Vector& v) {
   }
 }
 
-ResumableSolver& Methods::made(AutoMethod method) {
-  std::unique_ptr<ResumableSolver>& solver = solvers_[static_cast<std::size_t>(method)];
+BudgetedSolver& Methods::made(AutoMethod method) {
+  std::unique_ptr<BudgetedSolver>& solver = solvers_[static_cast<std::size_t>(method)];
   if (solver == nullptr) solver = make_method(method, later_);
   return *solver;
 }
@@ -76,8 +78,8 @@ void Methods::reserve(AutoMethod method, const Problem& problem, bool with_least
   least_energy_->reserve(*problem.contact());
 }
 
-ResumableSolver& Methods::loaded(AutoMethod method) {
-  ResumableSolver& solver = made(method);
+BudgetedSolver& Methods::loaded(AutoMethod method) {
+  BudgetedSolver& solver = made(method);
   bool& is_loaded = is_loaded_[static_cast<std::size_t>(method)];
   if (is_loaded) return solver;
   if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(solver).expect_one_island(is_one_island_);
@@ -99,7 +101,7 @@ LeastEnergy& Methods::loaded_least_energy() {
 
 void Methods::respond(AutoMethod method, const Vector& z, Vector& u) {
   if (method == AutoMethod::kContactLemke) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
-  if (auto* psor = dynamic_cast<ResumablePsor*>(&loaded(method))) return psor->respond(z, u);
+  if (auto* psor = dynamic_cast<PsorSolver*>(&loaded(method))) return psor->respond(z, u);
   ContactProblem moving = *problem_->contact();
   moving.v = *v_;
   u = post_impact_velocity(moving, z);

@@ -7,7 +7,7 @@
 #include "native/active_set/least_energy.h"
 #include "native/auto/report.h"
 #include "native/contact_lemke/contact_lemke.h"
-#include "native/contacts/resumable_solver.h"
+#include "native/contacts/budgeted_solver.h"
 
 namespace lcpbench {
 
@@ -24,6 +24,9 @@ class Methods {
   /// Whether the method takes the problem, and the memory for it: dense ones need about ngc (ngc + nc) numbers.
   static bool takes(AutoMethod method, const Problem& problem);
 
+  /// Multiplications of the load of a dense method; 0 of others. O(1) @param idle coordinates that no contact moves
+  static double load_work(AutoMethod method, const Problem& problem, Index idle);
+
   /// Takes the memory of a dense method, and of the impulses of least energy, which a later load then finds.
   void reserve(AutoMethod method, const Problem& problem, bool with_least_energy);
 
@@ -34,21 +37,23 @@ class Methods {
   /// @param v must stay valid until the next call of this or begin()
   void set_velocity(const Vector& v);
 
+  /// Whether the solver holds the problem.
+  bool has(AutoMethod method) const { return is_loaded_[static_cast<std::size_t>(method)]; }
   /// The solver with the problem loaded. Allocates what it needs.
-  ResumableSolver& loaded(AutoMethod method);
+  BudgetedSolver& loaded(AutoMethod method);
   LeastEnergy& loaded_least_energy();
 
   /// The velocity of impulses for which the method gave none. psor O(nonzeros), contact_lemke O(ngc^2), others O(ngc^3)
   void respond(AutoMethod method, const Vector& z, Vector& u);
 
  private:
-  ResumableSolver& made(AutoMethod method);
+  BudgetedSolver& made(AutoMethod method);
 
   std::shared_ptr<LaterEngines> later_;
   const Problem* problem_ = nullptr;
   const Vector* v_ = nullptr;
   bool is_one_island_ = false;
-  std::array<std::unique_ptr<ResumableSolver>, kAutoMethods> solvers_;
+  std::array<std::unique_ptr<BudgetedSolver>, kAutoMethods> solvers_;
   std::array<bool, kAutoMethods> is_loaded_{};
   std::unique_ptr<LeastEnergy> least_energy_;
   bool has_least_energy_ = false;  ///< it holds the problem

@@ -10,7 +10,7 @@ constexpr std::array<const char*, 3> kStages{"double", "refined", "quad"};
 
 /// In the order of AutoMethod.
 constexpr std::array<std::string_view, kAutoMethods> kMethods{
-    "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor", "contact_ipm", "psor{relaxation=1.3}"};
+    "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor", "contact_ipm"};
 
 /// Index into kStages. Any other text of a solved answer names a later stage in double, such as "reinverted".
 int stage_of(std::string_view detail) {

@@ -9,10 +9,9 @@
 
 namespace lcpbench {
 
-/// The methods of the race in which `auto` solves contacts.
-enum class AutoMethod {
-  kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kContactIpm, kOverRelaxedPsor };
-inline constexpr std::size_t kAutoMethods = 7;
+/// The methods by which `auto` solves contacts.
+enum class AutoMethod { kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kContactIpm };
+inline constexpr std::size_t kAutoMethods = 6;
 
 /// What `auto` did for one answer to a contact problem, over all islands.
 class AutoReport {

@@ -36,7 +36,7 @@ class StickingContacts {
   static bool takes(const ContactProblem& contact);
 
   /// Whether a guess costs little beside what the other methods cost, and is right often enough: for hard contacts with
-  /// friction, from a size on. @param is_loaded whether the first method of the race is loaded
+  /// friction, from a size on. @param is_loaded whether the first method is loaded
   static bool is_worth_a_guess(const ContactProblem& contact, bool is_loaded);
 
   /// Whether a quarter of the contacts or more pressed in the last answer, and none of those with friction slipped.

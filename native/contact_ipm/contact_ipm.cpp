@@ -48,7 +48,6 @@ class ContactIpm final : public ProximalNewton {
  public:
   explicit ContactIpm(const ProximalNewtonSettings& settings) : ProximalNewton(settings) {}
   const Capabilities& capabilities() const override;
-  void begin(const Vector* start, double error) override;
 
  private:
   struct Contact {
@@ -73,6 +72,7 @@ class ContactIpm final : public ProximalNewton {
   };
 
   void on_load(const Problem& problem) override;
+  void begin(const Vector* start, double error) override;
   bool run(double work, double deadline_s) override;
 
   void set_start();
@@ -357,7 +357,7 @@ void ContactIpm::leave_path() {
 bool ContactIpm::run(double work, double deadline_s) {
   const double until = best_.work + work;
   while (is_on_path_) {
-    if (!(best_.work < until)) return false;
+    if (!(best_.work < until)) break;
     const auto stops = [&](Claim claim) {
       end(claim, deadline_s);
       return true;
@@ -388,7 +388,7 @@ const Capabilities& ContactIpm::capabilities() const { return kCapabilities; }
 
 }  // namespace
 
-std::unique_ptr<ResumableSolver> make_contact_ipm() { return std::make_unique<ContactIpm>(ProximalNewtonSettings{}); }
+std::unique_ptr<BudgetedSolver> make_contact_ipm() { return std::make_unique<ContactIpm>(ProximalNewtonSettings{}); }
 
 SolverDefinition lcpbench_solver_contact_ipm() {
   return define_solver<ContactIpm, ProximalNewtonSettings>(

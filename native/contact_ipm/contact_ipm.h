@@ -2,11 +2,11 @@
 
 #include <memory>
 
-#include "native/contacts/resumable_solver.h"
+#include "native/contacts/budgeted_solver.h"
 
 namespace lcpbench {
 
 /// At its defaults. Takes no start.
-std::unique_ptr<ResumableSolver> make_contact_ipm();
+std::unique_ptr<BudgetedSolver> make_contact_ipm();
 
 }  // namespace lcpbench

@@ -228,12 +228,13 @@ std::ptrdiff_t ContactLemke::pivots_of(const ContactStage& stage) const {
   return stage.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
 }
 
-void ContactLemke::begin(const Vector* start, double error) {
+void ContactLemke::begin(const Budget& budget) {
   progress_ = {};
   found_ = {};
   const double most = ContactLemkeSettings{}.accept_residual;
-  progress_.accepted = error > 0 ? std::min(error, most) : settings_.accept_residual;
-  progress_.is_warm = resumes(start);
+  progress_.accepted = budget.error > 0 ? std::min(budget.error, most) : settings_.accept_residual;
+  progress_.deadline_s = budget.deadline_s;
+  progress_.most_work = budget.work;
 }
 
 /// Whether to go on from the last solve: its basis is at hand, and the start is its answer.
@@ -241,67 +242,56 @@ bool ContactLemke::resumes(const Vector* start) const {
   return resumable_ && start != nullptr && start->size() == best_.size() && *start == best_.view();
 }
 
-bool ContactLemke::go_on(double work, double deadline_s, Answer& answer) {
-  if (!proceed(work, deadline_s, z_.data())) return false;
-  found_.is_best = false;
+bool ContactLemke::solve_within(const Budget& budget, Answer& answer) {
+  begin(budget);
   answer.reserve(problem());
-  answer.z.resize(best_.size());
+  answer.z.resize(problem().size());
+  answer.z.setZero();
+  const bool has_ended = follow_stages(resumes(budget.start), answer.z.data());
   report(answer);
-  return true;
+  return has_ended;
 }
 
 void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
-  begin(request.start, 0);
-  progress_.is_fresh = true;
-  const double deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
-  proceed(kInfinity, deadline_s, answer.z.data());
+  begin({.deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s});
+  follow_stages(resumes(request.start), answer.z.data());
   report(answer);
 }
 
-double ContactLemke::best(Vector& z) {
+double ContactLemke::residual(const Answer& answer) {
   if (!(found_.best < kInfinity)) return kInfinity;
-  z_ = best_.view();
-  const double residual = double_->complete(z_.data()).velocity;
-  if (!(residual < 1)) return kInfinity;
-  z = z_.view();
-  return residual;
+  z_ = answer.z;
+  return double_->complete(z_.data()).velocity;
 }
 
-/// Does so much more work. @param z n entries for the impulses of stages @returns whether nothing remains to be tried
-bool ContactLemke::proceed(double work, double deadline_s, double* z) {
-  progress_.deadline_s = deadline_s;
-  progress_.most_work = progress_.work + work;
-  if (progress_.is_warm) {
-    if (!progress_.is_in_stage) {
-      if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
-        found_.best = resumable_residual_;
-        found_.can_claim = true;
-        found_.stage = kWarmStage.name;
-        return true;
-      }
-      rules_ = {};
-      rules_.resume = true;
-      progress_.is_in_stage = true;
-      resumable_ = false;
+/// @param is_warm begin with the last solve's basis @param z n entries for the impulses of stages
+/// @returns whether nothing remains to be tried; if not, the budget of work is over
+bool ContactLemke::follow_stages(bool is_warm, double* z) {
+  if (is_warm) {
+    if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
+      found_.best = resumable_residual_;
+      found_.can_claim = true;
+      found_.stage = kWarmStage.name;
+      return true;
     }
+    rules_ = {};
+    rules_.resume = true;
+    resumable_ = false;
     const Climbed climbed = climb(kWarmStage, z);
     if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
-    progress_.is_warm = progress_.is_in_stage = false;
     found_.cycles = 0;  // the first path from the start is another one
   }
   resumable_ = false;
-  for (; progress_.next_stage < kStages.size(); ++progress_.next_stage) {
-    const ContactStage& stage = kStages[progress_.next_stage];
-    if (!progress_.is_in_stage) {
-      if (!wanted(stage, settings_, data_.input.ngc)) continue;
-      if (max_stages_ > 0 && progress_.counted_stages == max_stages_) return true;
-      if (stage.arithmetic != ContactArithmetic::kDouble && found_.can_claim) return true;
-      if (!begins(stage)) continue;
-    }
+  std::int64_t counted = 0;
+  for (const ContactStage& stage : kStages) {
+    if (!wanted(stage, settings_, data_.input.ngc)) continue;
+    if (max_stages_ > 0 && counted == max_stages_) return true;
+    if (stage.arithmetic != ContactArithmetic::kDouble && found_.can_claim) return true;
+    if (!begins(stage)) continue;
+    const int cycles = found_.cycles;
     const Climbed climbed = climb(stage, z);
     if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
-    progress_.is_in_stage = false;
-    if (found_.cycles == progress_.cycles_before_stage) ++progress_.counted_stages;
+    if (found_.cycles == cycles) ++counted;
   }
   return true;
 }
@@ -317,35 +307,23 @@ bool ContactLemke::begins(const ContactStage& stage) {
     rules.variant = 1;
   }
   rules.reinvert = stage.reinvert && found_.cycles == 0 && data_.input.ngc <= kSmallKernel;
-  progress_.cycles_before_stage = found_.cycles;
-  return progress_.is_in_stage = true;
+  return true;
 }
 
 ContactLemke::Climbed ContactLemke::climb(const ContactStage& stage, double* z) {
-  if (!holds(stage.arithmetic)) {
-    progress_.is_in_path = false;  // another solver has taken the engine meanwhile
-    if (!prepares(stage.arithmetic)) return found_.ending == Ending::kTimeLimit ? Climbed::kLast : Climbed::kPart;
+  if (!holds(stage.arithmetic)) {  // what loading the engine will take is counted before it is done
+    const double work = work_until_loaded(stage.arithmetic);
+    found_.ending = has_time_for(work) ? Ending::kPivotLimit : Ending::kTimeLimit;
+    if (found_.ending == Ending::kTimeLimit) return Climbed::kLast;
+    progress_.work += work;
+    if (progress_.work > progress_.most_work) return Climbed::kOutOfWork;
   }
   const Outcome outcome = run(stage, z);
-  return outcome.can_go_on ? Climbed::kPart : judge(stage, outcome.ending, z);
+  return outcome.is_out_of_work ? Climbed::kOutOfWork : judge(stage, outcome.ending, z);
 }
 
 bool ContactLemke::has_time_for(double work) const {
   return !std::isfinite(progress_.deadline_s) || wall_clock_s() + kTimeOfWork * work <= progress_.deadline_s;
-}
-
-/// Counts what loading an engine will take, before it is done: where that is more than what is left of the part, in the
-/// next one. @returns whether to load it now; if not, because the part ends or the time is too short for it
-bool ContactLemke::prepares(ContactArithmetic arithmetic) {
-  const double work = work_until_loaded(arithmetic);
-  if (!has_time_for(work)) {
-    found_.ending = Ending::kTimeLimit;
-    return false;
-  }
-  if (!progress_.is_load_counted) progress_.work += work;
-  const bool is_now = progress_.is_load_counted || progress_.work <= progress_.most_work;
-  progress_.is_load_counted = !is_now;
-  return is_now;
 }
 
 /// Keeps the answer of a path that has ended if it is the best so far. @returns what is to be done next
@@ -398,28 +376,22 @@ bool ContactLemke::is_confirmed_exactly(const double* z) {
   return doubtful_.confirms(*problem().contact(), given_v_.view(), answer);
 }
 
-/// The path of a stage, or more of it.
+/// The path of a stage.
 contact_lemke::Outcome ContactLemke::run(const ContactStage& stage, double* z) {
   Rules& rules = rules_;
   const double price = price_of(stage.arithmetic);
-  rules.goes_on = progress_.is_in_path;
-  if (!rules.goes_on) {
-    rules.max_pivots = std::min(pivots_of(stage), found_.pivots_left(settings_.max_pivots));
-    rules.clock_s = wall_clock_s;
-    progress_.work_before_path = progress_.work;
-  }
+  rules.max_pivots = std::min(pivots_of(stage), found_.pivots_left(settings_.max_pivots));
+  rules.clock_s = wall_clock_s;
   rules.deadline_s = progress_.deadline_s;
   if (progress_.most_work < kMostWork) {
-    rules.max_work = static_cast<std::ptrdiff_t>((progress_.most_work - progress_.work_before_path) / price) + 1;
+    rules.max_work = static_cast<std::ptrdiff_t>((progress_.most_work - progress_.work) / price) + 1;
   } else {
     rules.max_work = Rules{}.max_work;
   }
   if (!progress_.is_fresh) Eigen::Map<Vector>(z, best_.size()).setZero();
   progress_.is_fresh = found_.is_best = false;
   const Outcome outcome = engine_of(stage.arithmetic).solve(rules, z);
-  progress_.work = progress_.work_before_path + price * static_cast<double>(outcome.work);
-  progress_.is_in_path = outcome.can_go_on;
-  if (outcome.can_go_on) return outcome;
+  progress_.work += price * static_cast<double>(outcome.work);
   found_.pivots += outcome.pivots;
   found_.factorizations += outcome.factorizations;
   found_.ending = outcome.ending;

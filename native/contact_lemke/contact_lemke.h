@@ -12,7 +12,7 @@
 #include "native/contact_lemke/engine.h"
 #include "native/contacts/contact_input.h"
 #include "native/contacts/growing_vector.h"
-#include "native/contacts/resumable_solver.h"
+#include "native/contacts/budgeted_solver.h"
 #include "native/active_set/contact_farkas.h"
 #include "native/proofs/doubtful_inertia.h"
 
@@ -75,7 +75,7 @@ struct LaterEngines {
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
 /// cannot be told from z where impulses are zero.
-class ContactLemke final : public ResumableSolver {
+class ContactLemke final : public BudgetedSolver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
   explicit ContactLemke(const ContactLemkeSettings& settings, IsaLevel level = isa_level());
@@ -93,12 +93,10 @@ class ContactLemke final : public ResumableSolver {
       .allocation_free = true};
   const Capabilities& capabilities() const override { return kCapabilities; }
 
-  /// @param error > 0: takes the place of accept_residual, but no more than the default of that
-  void begin(const Vector* start, double error) override;
-  bool go_on(double work, double deadline_s, Answer& answer) override;
+  /// Budget::error > 0 takes the place of accept_residual, but no more than the default of that.
+  bool solve_within(const Budget& budget, Answer& answer) override;
   double work() const override { return progress_.work; }
-  /// None where the residual is 1 or more: no impulses leave less.
-  double best(Vector& z) override;
+  double residual(const Answer& answer) override;
 
   /// What load() takes, in the units of work(). @param idle coordinates that no contact moves, which are left out
   static double load_work(const Problem& problem, Index idle);
@@ -133,16 +131,8 @@ class ContactLemke final : public ResumableSolver {
     double deadline_s = 0;
     double accepted = 0;  ///< an answer of at most this residual ends the solve
     double work = 0;
-    double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the present part ends
-    double work_before_path = 0;
-    std::size_t next_stage = 0;
-    std::int64_t counted_stages = 0;
-    int cycles_before_stage = 0;
-    bool is_warm = false;  ///< in the stage before the first, which goes on from the last solve's basis
-    bool is_in_stage = false;
-    bool is_in_path = false;       ///< of that stage, which is to go on in the next part
-    bool is_load_counted = false;  ///< `work` has the load of that stage's engine, which is still to be done
-    bool is_fresh = false;         ///< the caller's z is zero
+    double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the solve ends
+    bool is_fresh = true;  ///< the caller's z is zero
   };
 
   /// What a solve has found. Apart from Progress: one struct of both would be cleared by an instruction that takes as
@@ -170,9 +160,9 @@ class ContactLemke final : public ResumableSolver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
   enum class Climbed {
-    kPart,    ///< the part of the solve ends
-    kFailed,  ///< other stages may do better
-    kLast     ///< nothing remains to be tried
+    kOutOfWork,  ///< the budget is over
+    kFailed,     ///< other stages may do better
+    kLast        ///< nothing remains to be tried
   };
 
   void reserve_later_stages(const contact_lemke::Input& input);
@@ -183,10 +173,10 @@ class ContactLemke final : public ResumableSolver {
   std::ptrdiff_t pivots_of(const ContactStage& stage) const;
   bool asks_for_given_velocity() const { return may_be_unsolvable_ || doubtful_.may_be_singular(); }
   bool resumes(const Vector* start) const;
-  bool proceed(double work, double deadline_s, double* z);
+  void begin(const Budget& budget);
+  bool follow_stages(bool is_warm, double* z);
   bool begins(const ContactStage& stage);
   Climbed climb(const ContactStage& stage, double* z);
-  bool prepares(ContactArithmetic arithmetic);
   Climbed judge(const ContactStage& stage, contact_lemke::Ending ending, double* z);
   bool is_confirmed_exactly(const double* z);
   contact_lemke::Outcome run(const ContactStage& stage, double* z);
@@ -205,8 +195,8 @@ class ContactLemke final : public ResumableSolver {
   GrowingVector given_v_;           ///< where either may be so, the velocity in the units of the problem
   Progress progress_;
   Findings found_;
-  contact_lemke::Rules rules_;    ///< of the stage that progress_ is in
-  GrowingVector z_;               ///< of the last stage, where the solve is done in parts
+  contact_lemke::Rules rules_;    ///< of the present stage
+  GrowingVector z_;               ///< scratch
   GrowingVector best_;
   bool resumable_ = false;     ///< the engine in double still holds the basis of best_
   GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual

@@ -19,11 +19,8 @@ struct Rules {
   /// From the basis with which the last solve ended, instead of from z = 0. kBreakdown unless that one ended with
   /// kSolved, and not by `classic` rules.
   bool resume = false;
-  std::ptrdiff_t max_pivots = 0;  ///< over all parts of a path; 0: none may be made
-  /// Outcome::work at which the path stops before its next pivot, to go on from there or not.
-  std::ptrdiff_t max_work = __PTRDIFF_MAX__;
-  /// From where the last path stopped at its max_work, by the same rules. Nothing else may have been solved meanwhile.
-  bool goes_on = false;
+  std::ptrdiff_t max_pivots = 0;  ///< 0: none may be made
+  std::ptrdiff_t max_work = __PTRDIFF_MAX__;  ///< Outcome::work at which the path stops before its next pivot
   double deadline_s = 0;          ///< on the clock below; infinity: none
   double (*clock_s)() = nullptr;  ///< monotonic; read every 16 pivots; null: no time limit
 };
@@ -34,10 +31,9 @@ struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t pivots = 0;
   std::ptrdiff_t factorizations = 0;  ///< inversions of a whole kernel
-  /// Multiplications of the engine's numbers in vectors, and what takes as long. Like `pivots` over all parts of a
-  /// path.
+  /// Multiplications of the engine's numbers in vectors, and what takes as long.
   std::ptrdiff_t work = 0;
-  bool can_go_on = false;  ///< kPivotLimit because of Rules::max_work
+  bool is_out_of_work = false;  ///< kPivotLimit because of Rules::max_work
   bool cycles = false;     ///< kPivotLimit because a basis came back, which no larger limit mends
 };
 

@@ -56,12 +56,9 @@ class Path {
 
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) {
     rules_ = rules;
-    if (!rules.goes_on) {
-      outcome_ = {};
-      outcome_.work = kWorkOfShortestPath;
-    }
-    outcome_.can_go_on = false;
-    outcome_.ending = rules.resume && !rules.goes_on ? resume(z) : follow(z);
+    outcome_ = {};
+    outcome_.work = kWorkOfShortestPath;
+    outcome_.ending = rules.resume ? resume(z) : follow(z);
     has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic;
     if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.extent());
     return outcome_;
@@ -93,13 +90,11 @@ class Path {
 
   // --- the path ---
 
-  /// From z = 0, or from where the last part has stopped.
+  /// From z = 0.
   Ending follow(double* z) {
     if (expired()) return Ending::kTimeLimit;
-    if (!rules_.goes_on) {
-      begin();
-      if (!choose_first(entering_)) return Ending::kSolved;
-    }
+    begin();
+    if (!choose_first(entering_)) return Ending::kSolved;
     return walk(z);
   }
 
@@ -108,7 +103,7 @@ class Path {
     Entering& entering = entering_;
     for (;;) {
       if (outcome_.work >= rules_.max_work) {
-        outcome_.can_go_on = true;
+        outcome_.is_out_of_work = true;
         return Ending::kPivotLimit;
       }
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;

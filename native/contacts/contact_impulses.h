@@ -53,7 +53,7 @@ struct ContactImpulses {
     return compliance.size() > 0 ? velocity + compliance(contact) * impulse(contact) : velocity;
   }
 
-  /// Of recompute_velocity() and residual() together, see ResumableSolver::work(); and of AnswerTest::settle() in
+  /// Of recompute_velocity() and residual() together, see BudgetedSolver::work(); and of AnswerTest::settle() in
   /// double, to no more than a factor of two. Fitted to times of 14 to 20,842 contacts.
   double work_of_residual() const { return 14 * static_cast<double>(columns.nonzeros()); }
   double work_of_test() const { return 45 * static_cast<double>(columns.nonzeros()); }

@@ -119,6 +119,9 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
   return convex;
 }
 
+/// Steps of the interior point after which its velocity may show that there is no rest.
+constexpr std::int64_t kStepsToRefute = 3;
+
 /// R of the multipliers of a soft problem with friction: those of a contact give way along its normal and its tangents.
 CoupledCompliance coupled_compliance(const ContactProblem& contact) {
   CoupledCompliance coupled;
@@ -158,36 +161,35 @@ CoupledCompliance coupled_compliance(const ContactProblem& contact) {
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes;
 /// kNumericalFailure: the rounds did not get there. `detail` has their number. Opposite friction impulses of a contact
 /// are returned as their difference.
-class FrictionIpm final : public BestImpulseSolver {
+class FrictionIpm final : public BestImpulseSolver<FrictionIpmSolver> {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
       : settings_(settings),
         method_({.tolerance = kConvexShare * settings.tolerance}) {}
   const Capabilities& capabilities() const override;
-  void begin(const Vector* start, double error) override;
   double work() const override { return method_.work() - now_.work_before + best_.work; }
-  double best(Vector& z) override;
-  /// The residual of the first convex problem falls late.
-  bool residual_tells() const override { return now_.rounds > 1; }
+  bool solve_convex(const Budget& budget, const std::function<bool(const Vector& z)>& is_refuted,
+                    Answer& answer) override;
 
  private:
-  /// Of one solve, between its parts.
+  /// Of one solve.
   struct Progress {
     int rounds = 1;                 ///< with the one that runs
     double residual = kInfinity;    ///< of the last round
     std::int64_t steps_then = 0;    ///< factorizations and rounds until the residual last fell to a half
     bool goes_on = false;           ///< the next round from a point of the last one
-    double least_seen = kInfinity;  ///< of the impulses that best() was asked for
     double work_before = 0;         ///< of the interior point; Best::work is without its work
   };
 
   void on_load(const Problem& problem) override;
+  void begin(const Vector* start, double error) override;
   bool run(double work, double deadline_s) override;
   bool can_improve() const override { return has_friction(); }
   void describe(std::string& detail) const override;
 
   void begin_round(double residual);
   bool end_round();
+  bool note();
   double take_impulses();
   bool is_certain() const;
   void find_offsets(bool at_rest);
@@ -200,7 +202,6 @@ class FrictionIpm final : public BestImpulseSolver {
   Vector slip_bounds_;        // nc, mu lambda + b
   Vector offset_;             // per cone column
   Vector creep_;              // sum(edges), tangential offsets along each direction
-  Vector seen_impulse_;       // of Progress::least_seen
   Progress now_;
 };
 
@@ -224,7 +225,6 @@ void FrictionIpm::on_load(const Problem& problem) {
   offset_.resize(cone_.size());
   creep_.setZero(cone_.friction.rows());
   best_impulse_.resize(state_.impulse.size());
-  seen_impulse_.resize(state_.impulse.size());
 }
 
 /// The multipliers of the cone columns as normal and signed friction impulses, and the velocity that they give.
@@ -297,16 +297,21 @@ void FrictionIpm::begin_round(double residual) {
   }
 }
 
+/// Keeps the impulses that the interior point has reached, if they are the best so far. @returns whether they are
+bool FrictionIpm::note() {
+  now_.residual = take_impulses();
+  if (!(now_.residual < best_.residual && is_certain())) return false;
+  best_.residual = now_.residual;
+  best_impulse_ = state_.impulse;
+  return true;
+}
+
 /// @returns whether it was the last one
 bool FrictionIpm::end_round() {
   method_.finish(result_.counters);
-  now_.residual = take_impulses();
   const std::int64_t steps = result_.counters.factorizations + now_.rounds;
-  if (now_.residual < best_.residual && is_certain()) {
-    if (now_.residual < kProgress * best_.residual) now_.steps_then = steps;
-    best_.residual = now_.residual;
-    best_impulse_ = state_.impulse;
-  }
+  const double least = best_.residual;
+  if (note() && now_.residual < kProgress * least) now_.steps_then = steps;
   const bool is_idle = steps - now_.steps_then > kMostIdleSteps;
   if (best_.residual <= best_.tolerance || is_idle || !(now_.residual < kInfinity)) return true;
   return !has_friction();  // the next problem would be the same
@@ -317,8 +322,8 @@ bool FrictionIpm::run(double work, double deadline_s) {
   const double until = this->work() + work;
   for (;;) {
     const double left = until - this->work();
-    const Stop stop = method_.go_on(left, deadline_s, settings_.max_iterations, result_.counters);
-    if (stop == Stop::kUnfinished) return false;
+    const Stop stop = method_.iterate(left, deadline_s, settings_.max_iterations, result_.counters);
+    if (stop == Stop::kWorkLimit) break;
     Claim claim = Claim::kNumericalFailure;
     if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
     if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
@@ -327,8 +332,34 @@ bool FrictionIpm::run(double work, double deadline_s) {
     ++now_.rounds;
     find_offsets(false);
     begin_round(best_.residual);
-    if (this->work() >= until) return false;
+    if (this->work() >= until) break;
   }
+  note();
+  report_best(Claim::kIterationLimit);
+  return false;
+}
+
+bool FrictionIpm::solve_convex(const Budget& budget, const std::function<bool(const Vector& z)>& is_refuted,
+                               Answer& answer) {
+  using Stop = InteriorPoint::Stop;
+  begin(nullptr, budget.error);
+  answer.reserve(problem());
+  if (!refusal_.empty() || !(state_.scale > 0)) {
+    solve_within(budget, answer);
+    return true;
+  }
+  Stop stop = method_.iterate(kInfinity, budget.deadline_s, kStepsToRefute, result_.counters);
+  if (stop == Stop::kIterationLimit) {
+    note();
+    report_best(Claim::kIterationLimit);
+    if (is_refuted(result_.z)) return false;
+    stop = method_.iterate(kInfinity, budget.deadline_s, settings_.max_iterations, result_.counters);
+  }
+  const bool is_in_time = stop != Stop::kTimeLimit;
+  const bool has_ended = is_in_time && end_round() && end(Claim::kNumericalFailure, budget.deadline_s);
+  if (!has_ended) report_best(is_in_time ? Claim::kIterationLimit : Claim::kTimeLimit);
+  answer = result_;
+  return true;
 }
 
 void FrictionIpm::describe(std::string& detail) const {
@@ -336,25 +367,6 @@ void FrictionIpm::describe(std::string& detail) const {
   const char* const plural = now_.rounds == 1 ? "" : "s";
   const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", now_.rounds, plural);
   detail.assign(text.data(), static_cast<std::size_t>(length));
-}
-
-double FrictionIpm::best(Vector& z) {
-  if (!refusal_.empty()) return kInfinity;
-  if (!(state_.scale > 0)) {
-    z.setZero();
-    return 0;
-  }
-  const double residual = take_impulses();  // the state serves no more until the round ends
-  if (residual < now_.least_seen && is_certain()) {
-    now_.least_seen = residual;
-    seen_impulse_ = state_.impulse;
-  }
-  const double least = std::min(best_.residual, now_.least_seen);
-  if (!(least < kInfinity)) return kInfinity;
-  state_.impulse = best_.residual < now_.least_seen ? best_impulse_ : seen_impulse_;
-  state_.recompute_velocity();
-  state_.write_answer(z);
-  return least;
 }
 
 constexpr Capabilities kCapabilities{
@@ -368,7 +380,7 @@ const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
 
 }  // namespace
 
-std::unique_ptr<ResumableSolver> make_friction_ipm() { return std::make_unique<FrictionIpm>(FrictionIpmSettings{}); }
+std::unique_ptr<FrictionIpmSolver> make_friction_ipm() { return std::make_unique<FrictionIpm>(FrictionIpmSettings{}); }
 
 SolverDefinition lcpbench_solver_friction_ipm() {
   return define_solver<FrictionIpm, FrictionIpmSettings>(

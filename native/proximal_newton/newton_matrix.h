@@ -25,7 +25,7 @@ class NewtonMatrix {
   /// x := its inverse times x. @pre factor() was true
   void solve(Vector& x);
 
-  /// Of the last factor(), see ResumableSolver::work().
+  /// Of the last factor(), see BudgetedSolver::work().
   double work() const { return work_; }
 
  private:

@@ -292,20 +292,8 @@ bool ProximalNewton::run(double work, double deadline_s) {
     }
     begin_proximal();
   }
+  report_best(Claim::kIterationLimit);
   return false;
-}
-
-double ProximalNewton::best(Vector& z) {
-  if (!refusal_.empty()) return kInfinity;
-  if (!(state_.scale > 0)) {
-    z.setZero();
-    return 0;
-  }
-  if (!(best_.residual < kInfinity)) return kInfinity;
-  state_.impulse = best_impulse_;
-  state_.recompute_velocity();
-  state_.write_answer(z);
-  return best_.residual;
 }
 
 namespace {
@@ -321,7 +309,7 @@ constexpr Capabilities kCapabilities{.needs = Needs::kFactored,
 
 const Capabilities& ProximalNewton::capabilities() const { return kCapabilities; }
 
-std::unique_ptr<ResumableSolver> make_proximal_newton() {
+std::unique_ptr<BudgetedSolver> make_proximal_newton() {
   return std::make_unique<ProximalNewton>(ProximalNewtonSettings{});
 }
 

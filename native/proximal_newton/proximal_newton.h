@@ -40,13 +40,11 @@ struct ProximalNewtonSettings {
 /// moves. Takes inertia of full rank, and directions of regular polygons.
 ///
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes.
-class ProximalNewton : public BestImpulseSolver {
+class ProximalNewton : public BestImpulseSolver<> {
  public:
   explicit ProximalNewton(const ProximalNewtonSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override;
-  void begin(const Vector* start, double error) override;
   double work() const override { return best_.work; }
-  double best(Vector& z) override;
 
  protected:
   /// What a velocity decides: impulses, and how they fall with the velocities of the contact's three rows.
@@ -73,6 +71,7 @@ class ProximalNewton : public BestImpulseSolver {
   };
 
   void on_load(const Problem& problem) override;
+  void begin(const Vector* start, double error) override;
   bool run(double work, double deadline_s) override;
 
   void begin_proximal();
@@ -101,6 +100,6 @@ class ProximalNewton : public BestImpulseSolver {
 };
 
 /// At its defaults. A start gives the first impulses from which the contacts yield.
-std::unique_ptr<ResumableSolver> make_proximal_newton();
+std::unique_ptr<BudgetedSolver> make_proximal_newton();
 
 }  // namespace lcpbench

@@ -79,7 +79,7 @@ class ContactBlocks {
   bool has_offset() const { return offset_.size() > 0; }
   /// The least curvature by which the contact's row is divided in an update; 0: no impulse.
   double curvature(Index contact, Index row) const { return row == 0 ? of(contact).normal : of(contact).friction; }
-  /// Of a sweep over all contacts, see ResumableSolver::work().
+  /// Of a sweep over all contacts, see BudgetedSolver::work().
   double work() const { return work_; }
   /// Numbers that a sweep reads for all columns.
   std::size_t entries() const { return values_.size(); }

@@ -53,8 +53,6 @@ void ExactParts::load(const ContactBlocks& blocks) {
 }
 
 void ExactParts::clear() {
-  at_ = 0;
-  is_within_ = false;
   parts_.clear();
   std::fill(part_of_.begin(), part_of_.end(), kNone);
 }
@@ -210,28 +208,22 @@ void ExactParts::load(const ContactBlocks& blocks, Part& part) {
   part.is_loaded = true;
 }
 
-/// Poses the part's problem to contact_lemke.
-void ExactParts::begin(const ContactBlocks& blocks, Part& part) {
+/// Solves the part's problem by contact_lemke.
+void ExactParts::solve(const ContactBlocks& blocks, double deadline_s, Part& part) {
   double pivots = 1;  // what loading or updating takes, as so many
-  if (part.is_loaded) {
+  const bool is_warm = part.is_loaded;
+  if (is_warm) {
     find_velocity(blocks, part);
     part.solver.update(part.v);
-    part.solver.begin(&part.start, 0);
   } else {
     load(blocks, part);
     work_ += kWorkOfPart * ContactLemke::load_work(part.problem, 0);
-    part.solver.begin(nullptr, 0);
     pivots = static_cast<double>(part.contacts.size());
   }
+  part.solver.solve_within({.start = is_warm ? &part.start : nullptr, .deadline_s = deadline_s}, part.answer);
+  work_ += kWorkOfPart * part.solver.work();
+  pivots += static_cast<double>(std::max<std::int64_t>(part.answer.counters.pivots, 0));
   multiplications_ += 2 * pivots * static_cast<double>(part.v.size() * part.v.size());
-}
-
-/// @returns whether contact_lemke has ended, with what the part's answer says
-bool ExactParts::solve(const Limits& limits, Part& part) {
-  const double before = part.solver.work();
-  const bool has_ended = part.solver.go_on((limits.work - work_) / kWorkOfPart, limits.deadline_s, part.answer);
-  work_ += kWorkOfPart * (part.solver.work() - before);
-  return has_ended;
 }
 
 /// Goes to the answer by the share of a step. Sets Part::off.
@@ -265,37 +257,29 @@ void ExactParts::give_back(std::size_t number) {
   for (const Index c : parts_[number]->contacts) part_of_[static_cast<std::size_t>(c)] = number;
 }
 
-bool ExactParts::sweep(ContactBlocks& blocks, const Limits& limits, ContactBlocks::Step& step) {
-  work_ = 0;
-  if (at_ == 0 && !is_within_) {
-    multiplications_ = kSweepsOfOthers * 2 * static_cast<double>(entries_);
-    off_ = 0;
-    gave_back_ = false;
-  }
-  while (at_ < parts_.size()) {
-    if (!(work_ < limits.work)) return false;
-    Part& part = *parts_[at_];
-    if (!is_within_) begin(blocks, part);
-    is_within_ = !solve(limits, part);
-    if (is_within_) return false;
-    const double pivots = static_cast<double>(std::max<std::int64_t>(part.answer.counters.pivots, 0));
-    multiplications_ += 2 * pivots * static_cast<double>(part.v.size() * part.v.size());
+ContactBlocks::Step ExactParts::sweep(ContactBlocks& blocks, double relaxation, double deadline_s) {
+  work_ = kSweepsOfOthers * blocks.work();
+  multiplications_ = kSweepsOfOthers * 2 * static_cast<double>(entries_);
+  double off = 0;
+  bool gives_back = false;
+  for (std::size_t at = 0; at < parts_.size();) {
+    Part& part = *parts_[at];
+    solve(blocks, deadline_s, part);
     if (part.answer.claim == Claim::kSolved) {
       part.start = part.answer.z;
       take_answer(blocks, part);
-      off_ = std::max(off_, part.off);
-      ++at_;
+      off = std::max(off, part.off);
+      ++at;
     } else {
-      gave_back_ = true;
-      give_back(at_);
+      gives_back = true;
+      give_back(at);
     }
   }
-  at_ = 0;
-  if (gave_back_) list_others(blocks);
-  for (int k = 0; k < kSweepsOfOthers; ++k) step = blocks.sweep(others_, limits.relaxation);
-  step.off = std::max(step.off, off_);
-  work_ += kSweepsOfOthers * blocks.work();
-  return true;
+  if (gives_back) list_others(blocks);
+  ContactBlocks::Step step;
+  for (int k = 0; k < kSweepsOfOthers; ++k) step = blocks.sweep(others_, relaxation);
+  step.off = std::max(step.off, off);
+  return step;
 }
 
 }  // namespace lcpbench

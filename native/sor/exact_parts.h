@@ -27,21 +27,15 @@ class ExactParts {
   /// Chooses parts about the contacts and the parts that are off most; parts that stand there grow. Allocates.
   void extend(ContactBlocks& blocks);
 
-  struct Limits {
-    double relaxation = 1;
-    double work = 0;        ///< of this call, see ResumableSolver::work(); it goes beyond that by a load at most
-    double deadline_s = 0;  ///< on wall_clock_s()
-  };
   /// Solves each part for the velocity that the others leave it, goes half of the way to its answer, and sweeps the
   /// other contacts a few times. From the second time on contact_lemke goes on from its last answer. Parts that it does
   /// not solve in two paths in double, or in some pivots for each contact, are given back to the sweeps.
-  /// @param step what the last of the sweeps changed, with the steps of the parts
-  /// @returns whether all that is done; else the next call goes on from there, and `step` is not written
-  bool sweep(ContactBlocks& blocks, const Limits& limits, ContactBlocks::Step& step);
+  /// @returns what the last of the sweeps changed, with the steps of the parts
+  ContactBlocks::Step sweep(ContactBlocks& blocks, double relaxation, double deadline_s);
 
-  /// How many sweeps over all contacts have as many multiplications as the last sweep that is done.
+  /// How many sweeps over all contacts have as many multiplications as the last sweep.
   double sweeps_made() const { return multiplications_ / (2 * static_cast<double>(entries_)); }
-  /// Of the last call of sweep(), see ResumableSolver::work().
+  /// Of the last call of sweep(), see BudgetedSolver::work().
   double work() const { return work_; }
 
  private:
@@ -66,8 +60,7 @@ class ExactParts {
   bool is_in_part(Index contact) const { return part_of_[static_cast<std::size_t>(contact)] != kNone; }
   void find_velocity(const ContactBlocks& blocks, Part& part);
   void load(const ContactBlocks& blocks, Part& part);
-  void begin(const ContactBlocks& blocks, Part& part);
-  bool solve(const Limits& limits, Part& part);
+  void solve(const ContactBlocks& blocks, double deadline_s, Part& part);
   void give_back(std::size_t number);
   void take_answer(ContactBlocks& blocks, Part& part);
   template <class Visit>
@@ -87,10 +80,6 @@ class ExactParts {
   std::size_t entries_ = 0;           // ContactBlocks::entries
   std::size_t most_contacts_ = 0;     // of a part that contact_lemke does not refuse
   // Of the sweep at hand:
-  std::size_t at_ = 0;                // this part comes next,
-  bool is_within_ = false;            // or contact_lemke has begun with it
-  bool gave_back_ = false;
-  double off_ = 0;                    // the largest Part::off
   double multiplications_ = 0;
   double work_ = 0;                   // see work()
 };

@@ -32,7 +32,7 @@ constexpr int kMostExtensions = 3;
 /// The largest relaxation from when the sweeps wander for the first time.
 constexpr double kWanderingRelaxation = 1;
 
-/// Of a conjugate step, for each impulse and each velocity, see ResumableSolver::work(). Measured.
+/// Of a conjugate step, for each impulse and each velocity, see BudgetedSolver::work(). Measured.
 constexpr double kWorkOfDirection = 6;
 
 Capabilities capabilities_of(const PsorSettings& settings) {
@@ -64,36 +64,36 @@ Capabilities capabilities_of(const PsorSettings& settings) {
 /// Contact problems keep v+ = v + G* J f: O(ngc) per row, less for sparse contacts. Bare LCPs: O(n) per row.
 /// Solved is claimed only when the residual of every island, recomputed from z, is within the tolerance and AnswerTest
 /// passes.
-class Psor final : public ResumableImpulseSolver<ResumablePsor> {
+class Psor final : public BudgetedImpulseSolver<PsorSolver> {
  public:
   explicit Psor(const PsorSettings& settings) : settings_(settings), capabilities_(capabilities_of(settings)) {}
   const Capabilities& capabilities() const override { return capabilities_; }
   void respond(const Vector& z, Vector& u) override;
 
-  void begin(const Vector* start, double error) override;
   double work() const override { return now_.work; }
-  double best(Vector& z) override;
+  double residual(const Answer& /*answer*/) override {
+    return state_.scale > 0 ? now_.least_residual / state_.scale : 0;
+  }
 
  private:
-  /// Of one solve, between its parts.
+  /// Of one solve.
   struct Progress {
     double allowed = 0;                ///< residual from which on an answer is tested
     double promising = 0;              ///< how much the rows may be off where the residual is next evaluated
     std::int64_t next = 0;             ///< the sweep from which it is evaluated anyhow
     std::int64_t iterations = 0;
     ContactBlocks::Step step;          ///< of the last sweep
-    bool has_swept = false;            ///< accelerate() comes next
     bool had_parts = false;            ///< the last sweep
-    bool is_within_parts = false;      ///< of a sweep, which goes on from there
     double least_residual = kInfinity; ///< of best_
     double work = 0;
   };
 
   void on_load(const Problem& problem) override;
+  void begin(const Vector* start, double error) override;
   bool run(double work, double deadline_s) override;
 
   void set_start(const Vector* start);
-  bool sweep_and_test(double until, double deadline_s);
+  bool sweep_and_test(double deadline_s);
   void accelerate();
   bool is_last() const { return now_.iterations + 1 >= limit(); }
   bool accelerates() const { return settings_.acceleration != Acceleration::kNone; }
@@ -114,7 +114,6 @@ class Psor final : public ResumableImpulseSolver<ResumablePsor> {
   Progress now_;
   double work_of_sweep_ = 0;
   Vector best_;                           // impulses of the state
-  Vector kept_impulses_, kept_velocity_;  // of bare LCPs, while the state measures others
   ContactBlocks blocks_;  // of contact problems
   ConjugateSteps steps_;
   bool may_take_parts_ = false;
@@ -135,10 +134,6 @@ void Psor::on_load(const Problem& problem) {
   result_.reserve(problem);
   best_.resize(state_.impulse.size());
   work_of_sweep_ = is_bare() ? static_cast<double>(problem.size() * problem.size()) : blocks_.work();
-  if (is_bare()) {
-    kept_impulses_.resize(state_.impulse.size());
-    kept_velocity_.resize(state_.u.size());
-  }
   if (settings_.acceleration == Acceleration::kNone) return;
   steps_.load(impulses().size(), velocity().size());
   may_take_parts_ = !is_bare() && blocks_.has_bodies() && !state_.frictions.empty();
@@ -221,18 +216,14 @@ void Psor::begin(const Vector* start, double error) {
 }
 
 /// One sweep, and the test of what it reached where that is promising.
-/// @param until work since the beginning, up to which exact parts may go
 /// @returns whether that is the end; the claim says which
-bool Psor::sweep_and_test(double until, double deadline_s) {
+bool Psor::sweep_and_test(double deadline_s) {
   result_.claim = Claim::kIterationLimit;
   if (now_.iterations >= limit()) return true;
-  now_.had_parts = now_.is_within_parts || !parts_.empty();
-  now_.has_swept = true;
+  now_.had_parts = !parts_.empty();
   if (now_.had_parts) {
-    now_.is_within_parts = !parts_.sweep(
-        blocks_, {.relaxation = relaxation_, .work = until - now_.work, .deadline_s = deadline_s}, now_.step);
+    now_.step = parts_.sweep(blocks_, relaxation_, deadline_s);
     now_.work += parts_.work();
-    if (now_.is_within_parts) return false;
   } else {
     now_.step = sweep();
     now_.work += work_of_sweep_;
@@ -274,45 +265,28 @@ void Psor::accelerate() {
 }
 
 bool Psor::run(double work, double deadline_s) {
-  const double until = now_.work + work;
-  do {
-    if (!(wall_clock_s() < deadline_s)) {
-      result_.claim = Claim::kTimeLimit;
+  bool is_in_budget = true;
+  for (bool is_first = true;; is_first = false) {
+    is_in_budget = now_.work < work;
+    if (!is_in_budget || !(wall_clock_s() < deadline_s)) {
+      result_.claim = is_in_budget ? Claim::kTimeLimit : Claim::kIterationLimit;
       break;
     }
-    if (now_.work >= until) return false;
-    if (now_.has_swept && !now_.is_within_parts) accelerate();
-  } while (!sweep_and_test(until, deadline_s));
+    if (!is_first) accelerate();
+    if (sweep_and_test(deadline_s)) break;
+  }
   result_.counters.iterations = now_.iterations + static_cast<std::int64_t>(sweeps_of_parts_);
   if (result_.claim == Claim::kSolved) return true;
   // A conjugate step may leave the pyramids. A sweep goes back there, an exact part only half of the way.
   if (now_.had_parts) blocks_.project();
   measure();
-  state_.write_answer(result_.z);
-  if (result_.claim == Claim::kNumericalFailure) result_.detail = kGrewOutOfRange;
-  return true;
-}
-
-double Psor::best(Vector& z) {
-  if (!(state_.scale > 0)) {
-    z.setZero();
-    return 0;
-  }
-  if (is_bare()) {
-    kept_impulses_ = state_.impulse;
-    kept_velocity_ = state_.u;
-  }
-  measure();
   if (now_.least_residual < kInfinity) {
     state_.impulse = best_;
     state_.recompute_velocity();
-    state_.write_answer(z);
   }
-  if (is_bare()) {
-    state_.impulse = kept_impulses_;
-    state_.u = kept_velocity_;
-  }
-  return now_.least_residual < kInfinity ? now_.least_residual / state_.scale : kInfinity;
+  state_.write_answer(result_.z);
+  if (result_.claim == Claim::kNumericalFailure) result_.detail = kGrewOutOfRange;
+  return is_in_budget;
 }
 
 void Psor::begin_watch() {
@@ -360,7 +334,7 @@ void Psor::recompute_velocity() {
 
 }  // namespace
 
-std::unique_ptr<ResumablePsor> make_psor(const PsorSettings& settings) { return std::make_unique<Psor>(settings); }
+std::unique_ptr<PsorSolver> make_psor(const PsorSettings& settings) { return std::make_unique<Psor>(settings); }
 
 SolverDefinition lcpbench_solver_psor() {
   return define_solver<Psor, PsorSettings>(

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/settings.h"
-#include "native/contacts/resumable_solver.h"
+#include "native/contacts/budgeted_solver.h"
 
 namespace lcpbench {
 
@@ -30,16 +30,15 @@ struct PsorSettings {
   }
 };
 
-/// psor, whose solve can be interrupted: go_on() returns after a sweep over all contacts, with acceleration=exact also
-/// between two steps of contact_lemke.
-class ResumablePsor : public ResumableSolver {
+/// psor. Its budget is looked at after each sweep over all contacts.
+class PsorSolver : public BudgetedSolver {
  public:
   /// u := v + G* [N D] f, the velocity of the coordinates after the impulses f of z. O(nonzeros). Allocates nothing.
-  /// A solve that has begun can go on. @pre a contact problem is loaded @param z n entries; lambda is not used
+  /// @pre a contact problem is loaded @param z n entries; lambda is not used
   /// @param u ngc entries, set
   virtual void respond(const Vector& z, Vector& u) = 0;
 };
 
-std::unique_ptr<ResumablePsor> make_psor(const PsorSettings& settings);
+std::unique_ptr<PsorSolver> make_psor(const PsorSettings& settings);
 
 }  // namespace lcpbench

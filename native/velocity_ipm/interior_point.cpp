@@ -257,8 +257,8 @@ void InteriorPoint::begin_near(double residual) {
   forget_steps();
 }
 
-InteriorPoint::Stop InteriorPoint::go_on(double work, double deadline_s, std::int64_t max_iterations,
-                                         Counters& counters) {
+InteriorPoint::Stop InteriorPoint::iterate(double work, double deadline_s, std::int64_t max_iterations,
+                                           Counters& counters) {
   if (speed_ == 0) return Stop::kConverged;
   const double contacts = static_cast<double>(q_.size());
   for (const double end = work_ + work;;) {
@@ -286,7 +286,7 @@ InteriorPoint::Stop InteriorPoint::go_on(double work, double deadline_s, std::in
     point_.s += length * step_.s;
     point_.y += length * step_.y;
     ++counters.iterations;
-    if (work_ >= end) return Stop::kUnfinished;
+    if (work_ >= end) return Stop::kWorkLimit;
   }
 }
 

@@ -25,7 +25,7 @@ namespace lcpbench {
 /// Every island is solved in its own unit (IslandUnits), so that the scale, to which the residual is relative, is that
 /// of each island.
 ///
-/// Life: load(), then for each velocity set_velocity(), begin(), go_on() until it ends, iterated(), perhaps finish(),
+/// Life: load(), then for each velocity set_velocity(), begin(), iterate(), iterated(), perhaps finish(),
 /// impulses() or conclude(). Only load(), keep_points(), the factorization of the WhitenedNormals and the text that
 /// conclude() writes may allocate.
 class InteriorPoint {
@@ -36,7 +36,7 @@ class InteriorPoint {
   /// @param coupled  a compliance that is added to the problem's, or empty
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact, CoupledCompliance coupled = {});
   bool loaded() const { return normals_ != nullptr; }
-  /// From now on until the next load(), go_on() keeps points for begin_near(). @pre loaded()
+  /// From now on until the next load(), iterate() keeps points for begin_near(). @pre loaded()
   void keep_points();
   void set_velocity(const Vector& v);
   /// With the constraints N'u + R f + offset >= 0 (nc) instead; islands are not rescaled. @pre b is zero
@@ -49,8 +49,8 @@ class InteriorPoint {
   void accept(double residual) { settings_.accept_residual = residual; }
 
   /// How an iteration ended: the tolerance is met; no step goes further; the Newton system could not be solved; a
-  /// limit; or it has not.
-  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit, kUnfinished };
+  /// limit.
+  enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit, kWorkLimit };
 
   /// Starts at the standard point.
   void begin();
@@ -60,12 +60,12 @@ class InteriorPoint {
   /// @param residual of the last solution, with the new offset, relative to the scale
   void begin_near(double residual);
   /// Iterates until counters.iterations is max_iterations, the wall clock is at deadline_s, or work() has grown by
-  /// `work` and one step at least is done: kUnfinished, called again it goes on. Adds to the counters.
-  Stop go_on(double work, double deadline_s, std::int64_t max_iterations, Counters& counters);
-  /// Of all solves since this object was made, in the units of ResumableSolver::work().
+  /// `work` and one step at least is done. Called again it goes on. Adds to the counters.
+  Stop iterate(double work, double deadline_s, std::int64_t max_iterations, Counters& counters);
+  /// Of all solves since this object was made, in the units of BudgetedSolver::work().
   double work() const { return work_; }
 
-  /// After a go_on() that ended with `stop`. False when that ended the solve: `answer` says how (a limit; or nothing
+  /// After an iterate() that ended with `stop`. False when that ended the solve: `answer` says how (a limit; or nothing
   /// approaches, and z = 0 is the solution). True: the point reached awaits finish() and conclude().
   bool iterated(Stop stop, Answer& answer);
 
@@ -86,7 +86,7 @@ class InteriorPoint {
   double size_over_scale() const { return speed_ > 0 ? speed_ / scale_ : 1; }
   /// f of the contacts that are pressed rather than parting, in the same units; 0 for the others.
   void pressed_contacts(Vector& f) const;
-  /// ResumableSolver::best(), among the points at which it was called since begin() or begin_near().
+  /// The best impulses and their residual, among the points at which it was called since begin() or begin_near().
   /// @param z nc entries
   double best(Vector& z);
 
@@ -143,7 +143,7 @@ class InteriorPoint {
   Vector shifts_;  // shift + r_n
 
   Stop stop_ = Stop::kConverged;
-  double best_ = 0;     // least residual of go_on() since begin() or begin_near()
+  double best_ = 0;     // least residual of iterate() since begin() or begin_near()
   int idle_steps_ = 0;  // since best_ last fell to less than half
   WhitenedNormals::Cost cost_;
   double work_ = 0;

@@ -35,21 +35,21 @@ struct VelocityIpmSettings {
 /// Finished by the active set, an answer is claimed as ActiveSet does. Else kSolved: the velocity residual, computed
 /// from z alone, is within accept_residual, and the answer passes AnswerTest; kUnsolvable: AnswerTest proves it.
 /// kNumericalFailure: neither, and `detail` mostly says what ended the iteration or the test.
-class VelocityIpm final : public ResumableSolver {
+class VelocityIpm final : public BudgetedSolver {
  public:
   explicit VelocityIpm(const VelocityIpmSettings& settings)
       : settings_(settings), method_(settings.method), active_set_({}) {}
   const Capabilities& capabilities() const override;
-  void begin(const Vector* start, double error) override;
-  bool go_on(double work, double deadline_s, Answer& answer) override;
+  bool solve_within(const Budget& budget, Answer& answer) override;
   double work() const override { return method_.work() - work_before_ + work_of_active_set_; }
-  double best(Vector& z) override;
+  double residual(const Answer& /*answer*/) override { return method_.loaded() ? method_.best(best_) : kInfinity; }
 
  private:
   void on_load(const Problem& problem) override;
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
+  void begin(double error);
   bool ends_with_active_set() const { return settings_.method.finish && !is_sparse_; }
   void end(InteriorPoint::Stop stop, double deadline_s);
   bool finish_dense(double deadline_s);
@@ -61,7 +61,7 @@ class VelocityIpm final : public ResumableSolver {
   ActiveSet active_set_;
   AnswerTest test_;  // of answers that the active set does not finish
   bool is_sparse_ = false;
-  Vector pressed_;  // nc
+  Vector pressed_, best_;  // nc
   Answer result_;
   double work_before_ = 0;  // of method_, at begin()
   double work_of_active_set_ = 0;
@@ -70,6 +70,7 @@ class VelocityIpm final : public ResumableSolver {
 void VelocityIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   result_.reserve(problem);
+  best_.resize(contact.nc());
   is_sparse_ = wants_sparse(settings_.algebra, contact);
   method_.load(is_sparse_ ? sparse_whitened_normals(contact, multifrontal_cholesky()) : dense_whitened_normals(contact),
                contact);
@@ -125,7 +126,7 @@ void VelocityIpm::confirm_rest(double deadline_s) {
   run_active_set(deadline_s);
 }
 
-void VelocityIpm::begin(const Vector* /*start*/, double error) {
+void VelocityIpm::begin(double error) {
   result_.clear();
   result_.z.resize(problem().size());
   result_.z.setZero();
@@ -139,19 +140,26 @@ void VelocityIpm::begin(const Vector* /*start*/, double error) {
   method_.begin();
 }
 
-bool VelocityIpm::go_on(double work, double deadline_s, Answer& answer) {
+bool VelocityIpm::solve_within(const Budget& budget, Answer& answer) {
   using Stop = InteriorPoint::Stop;
+  begin(budget.error);
+  bool has_ended = true;
   if (method_.loaded()) {
-    const Stop stop = method_.go_on(work, deadline_s, settings_.method.max_iterations, result_.counters);
-    if (stop == Stop::kUnfinished) return false;
-    end(stop, deadline_s);
+    const Stop stop = method_.iterate(budget.work, budget.deadline_s, settings_.method.max_iterations, result_.counters);
+    has_ended = stop != Stop::kWorkLimit;
+    if (has_ended) {
+      end(stop, budget.deadline_s);
+    } else {
+      result_.claim = Claim::kIterationLimit;
+      method_.best(result_.z);
+    }
   } else {
     result_.claim = Claim::kUnsupported;
     result_.detail = "algebra=sparse needs an inertia of positive definite blocks";
   }
   answer.reserve(problem());
   answer = result_;
-  return true;
+  return has_ended;
 }
 
 void VelocityIpm::end(InteriorPoint::Stop stop, double deadline_s) {
@@ -176,12 +184,8 @@ void VelocityIpm::end(InteriorPoint::Stop stop, double deadline_s) {
   }
 }
 
-double VelocityIpm::best(Vector& z) { return method_.loaded() ? method_.best(z) : kInfinity; }
-
 void VelocityIpm::on_solve(const SolveRequest& request, Answer& answer) {
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  begin(nullptr, 0);
-  go_on(kInfinity, deadline_s, answer);
+  solve_within({.deadline_s = wall_clock_s() + request.time_limit_s}, answer);
 }
 
 constexpr Capabilities kCapabilities{
@@ -199,7 +203,7 @@ const Capabilities& VelocityIpm::capabilities() const {
 
 }  // namespace
 
-std::unique_ptr<ResumableSolver> make_velocity_ipm() { return std::make_unique<VelocityIpm>(VelocityIpmSettings{}); }
+std::unique_ptr<BudgetedSolver> make_velocity_ipm() { return std::make_unique<VelocityIpm>(VelocityIpmSettings{}); }
 
 SolverDefinition lcpbench_solver_velocity_ipm() {
   return define_solver<VelocityIpm, VelocityIpmSettings>(

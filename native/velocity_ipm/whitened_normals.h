@@ -28,7 +28,7 @@ class WhitenedNormals {
   virtual bool factor_coupled(const CoupledCompliance& coupled) = 0;
   /// y := (I + W diag(weights) W')^-1 y, of the last factorization.
   virtual void solve(Vector& y) const = 0;
-  /// Multiplications, see ResumableSolver::work().
+  /// Multiplications, see BudgetedSolver::work().
   struct Cost {
     double product = 0;  ///< combine() or project(), with the vector operations that go with it
     double factor = 0;

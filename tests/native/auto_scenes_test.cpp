@@ -103,23 +103,17 @@ TEST(AutoScenesTest, PilesWithMuchFrictionAreSolvedAtEachError) {
   }
 }
 
-TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
+TEST(AutoScenesTest, AStatedErrorIsMet) {
   const Problem scenes[] = {Problem("pile", testing::sphere_pile({})),
                             Problem("pile with friction", testing::sphere_pile({.columns = 5, .mu = 0.5})),
                             Problem("wall", testing::brick_wall(8, 8)),
                             Problem("wall with friction", testing::frictional_brick_wall(6, 8, 0.5))};
   for (const Problem& scene : scenes) {
-    std::int64_t most = 0;
     for (const char* error : {"1e-9", "1e-6", "1e-4", "1e-2"}) {
       const Answer answer = solve(scene, {{"error", error}}, kAMinute);
       ASSERT_EQ(answer.claim, Claim::kSolved) << scene.name() << " " << error << " " << answer.detail;
       EXPECT_LE(Evaluator(scene).errors(answer).velocity_residual_relative, 1.01 * std::stod(error)) << scene.name();
-      if (most == 0) most = answer.counters.iterations;
-      EXPECT_LE(answer.counters.iterations, scene.contact()->frictional() ? 10'000 : most) << scene.name();
     }
-    if (scene.name() == "wall") continue;         // exact at any error
-    if (scene.contact()->frictional()) continue;  // by sweeps or by steps of an interior point: other units
-    EXPECT_LT(4 * solve(scene, {{"error", "1e-2"}}).counters.iterations, 3 * most) << scene.name();
   }
 }
 

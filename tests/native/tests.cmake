@@ -1,8 +1,8 @@
 lcpbench_room(native LINK lcpbench_solver_list lcpbench_native lcpbench_steppers lcpbench_generators lcpbench_evaluation
               lcpbench_statistics)
-foreach(test conformance active_set auto auto_rest auto_scenes bare_claims claims cone_ipm contact_farkas contact_ipm
+foreach(test conformance active_set auto auto_rest auto_scenes bare_claims budgeted claims cone_ipm contact_farkas contact_ipm
         even_impulses friction_ipm island_units mixed_lcp multifrontal primal_dual principal_pivoting
-        proximal_newton psor race resumable soft_contacts sparse_pivoting steppers support_search
+        proximal_newton psor soft_contacts sparse_pivoting steppers support_search
         velocity_ipm warm_steps)
   lcpbench_test(${test})
 endforeach()
@@ -14,8 +14,6 @@ endforeach()
 lcpbench_test(scene_memory SLOW RELEASE_ONLY APART OPTIMIZED  # sanitizers have memory of their own
               LINK lcpbench_solver_list lcpbench_evaluation lcpbench_io)
 lcpbench_test(regularized APART LINK lcpbench_native lcpbench_generators)
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
-add_test(NAME auto_fit COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/native/auto_fit_test.py)
 
 # At the level in use, the highest of this processor, and at each level below the highest that has an engine; those that
 # this processor lacks are skipped. Engines beyond double have no levels.

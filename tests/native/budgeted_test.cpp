@@ -1,7 +1,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,7 @@
 #include "native/active_set/active_set.h"
 #include "native/contact_ipm/contact_ipm.h"
 #include "native/contact_lemke/contact_lemke.h"
-#include "native/contacts/resumable_solver.h"
+#include "native/contacts/budgeted_solver.h"
 #include "native/friction_ipm/friction_ipm.h"
 #include "native/active_set/contact_farkas.h"
 #include "native/proximal_newton/proximal_newton.h"
@@ -24,14 +23,14 @@
 #include "tests/support/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 
-namespace lcpbench::resumable_test {
+namespace lcpbench::budgeted_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Method {
   std::string name;
-  std::unique_ptr<ResumableSolver> solver;
+  std::unique_ptr<BudgetedSolver> solver;
 };
 
 std::vector<Method> methods() {
@@ -98,15 +97,16 @@ std::vector<Problem> problems() {
 
 struct Outcome {
   Answer answer;
-  double work = 0;
+  double work = 0, residual = 0;
+  bool has_ended = false;
 };
 
-/// Begins where an earlier solve may have left it, at another velocity and with other parts.
-Outcome in_one_part(ResumableSolver& solver, const Vector* start, double error) {
+/// Where an earlier solve may have left the solver, at another velocity and with another budget.
+Outcome solve_within(BudgetedSolver& solver, const Budget& budget = {}) {
   Outcome outcome;
-  solver.begin(start, error);
-  EXPECT_TRUE(solver.go_on(kInfinity, kInfinity, outcome.answer));
+  outcome.has_ended = solver.solve_within(budget, outcome.answer);
   outcome.work = solver.work();
+  outcome.residual = solver.residual(outcome.answer);
   return outcome;
 }
 
@@ -123,26 +123,6 @@ void expect_residual(const Problem& problem, const Vector& z, double residual) {
   EXPECT_GE(found, residual * (is_one_island ? 1 : 0.5) * (1 - 1e-6) - 1e-9) << problem.name();
 }
 
-/// Asks for the best impulses after some of the parts, and compares their residual with what the evaluation finds.
-Outcome in_parts(ResumableSolver& solver, const Vector* start, double error, double most, const Problem& problem,
-                 std::mt19937& random, int& parts) {
-  Outcome outcome;
-  std::uniform_real_distribution<double> share(0.05, 1);
-  Vector z = Vector::Constant(problem.size(), -1);
-  solver.begin(start, error);
-  for (parts = 1; !solver.go_on(most * share(random), kInfinity, outcome.answer); ++parts) {
-    EXPECT_EQ(outcome.answer.z.size(), 0);  // written at the end alone
-    if (parts % 3 != 1) continue;
-    const double residual = solver.best(z);
-    if (parts % 12 != 1 || residual == kInfinity) continue;
-    SCOPED_TRACE("part " + std::to_string(parts));
-    expect_residual(problem, z, residual);
-    EXPECT_GE(z.minCoeff(), -1e-12 * z.lpNorm<Eigen::Infinity>());
-  }
-  outcome.work = solver.work();
-  return outcome;
-}
-
 void expect_same(const Answer& answer, const Answer& expected, const std::string& what) {
   EXPECT_EQ(answer.claim, expected.claim) << what;
   EXPECT_EQ(answer.detail, expected.detail) << what;
@@ -157,105 +137,71 @@ void expect_same(const Answer& answer, const Answer& expected, const std::string
   EXPECT_EQ(answer.counters.factorizations, expected.counters.factorizations) << what;
 }
 
-TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
-  std::mt19937 random(5);
-  int most_parts = 0;
+// Work depends on the data alone: so that the same turns give the same answer on every machine.
+TEST(BudgetedTest, ABudgetEndsTheSolveAndALargerOneChangesNothing) {
+  int ended_by_budget = 0;
   for (const Problem& problem : problems()) {
     for (const Method& method : methods()) {
       if (!takes(method, problem)) continue;
       const std::string what = problem.name() + ", " + method.name;
       method.solver->load(problem);
-      const Outcome expected = in_one_part(*method.solver, nullptr, 0);
-      if (expected.answer.claim == Claim::kUnsupported) continue;
-      const Vector start = 0.9 * expected.answer.z;
-      const auto expect_same_in_parts = [&](const Vector* from, double error, double pieces) {
-        const Outcome whole = in_one_part(*method.solver, from, error);
-        const double most = std::max(whole.work, 1.0) / pieces;
-        int parts = 0;
-        const Outcome pieced = in_parts(*method.solver, from, error, most, problem, random, parts);
-        expect_same(pieced.answer, whole.answer, what + " in " + std::to_string(parts) + " parts");
-        most_parts = std::max(most_parts, parts);
-      };
-      expect_same_in_parts(nullptr, 0, 30);
-      expect_same_in_parts(&start, 1e-3, 5);
-      Answer solved;
-      method.solver->begin(nullptr, 0);  // and leave it
-      method.solver->solve({}, solved);
-      expect_same(solved, expected.answer, what + " by solve()");
-    }
-  }
-  EXPECT_GE(most_parts, 20);
-}
-
-TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
-  for (const Problem& problem : problems()) {
-    for (const Method& method : methods()) {
-      if (!takes(method, problem)) continue;
-      const std::string what = problem.name() + ", " + method.name;
-      method.solver->load(problem);
-      method.solver->begin(nullptr, 0);
-      Vector z(problem.size());
-      double residual = method.solver->best(z);
-      if (residual == kInfinity) {
-        // or it does not take the inertia
-        EXPECT_TRUE(pivots(method) || method.name == "proximal_newton" || method.name == "contact_ipm") << what;
-        continue;
-      }
-      Answer answer;
-      bool has_ended = false;
-      for (int part = 0; part < 200 && !has_ended; ++part) {
-        has_ended = method.solver->go_on(1, kInfinity, answer);
-        const double next = method.solver->best(z);
-        EXPECT_LE(next, residual) << what;
-        residual = next;
-      }
-      // What a time limit leaves is in hand, and is claimed where it is good enough.
-      if (!has_ended) {
-        EXPECT_TRUE(method.solver->go_on(kInfinity, 0, answer)) << what;
-        if (answer.claim == Claim::kSolved) {
-          EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << what;
-        } else {
-          EXPECT_EQ(answer.claim, Claim::kTimeLimit) << what;
+      solve_within(*method.solver);  // the first solve of a problem may prepare what later ones find
+      const Outcome whole = solve_within(*method.solver);
+      EXPECT_TRUE(whole.has_ended) << what;
+      if (whole.answer.claim == Claim::kUnsupported) continue;
+      const Vector start = 0.9 * whole.answer.z;
+      for (const double share : {0.0, 0.01, 0.3}) {
+        for (const Vector* from : {static_cast<const Vector*>(nullptr), &start}) {
+          const double work = share * whole.work;
+          const Outcome part = solve_within(*method.solver, {.start = from, .error = 1e-12, .work = work});
+          expect_residual(problem, part.answer.z, part.residual);
+          if (part.has_ended) continue;
+          ++ended_by_budget;
+          EXPECT_EQ(part.answer.claim, Claim::kIterationLimit) << what;
+          EXPECT_GE(part.work, work) << what;
         }
       }
-      EXPECT_LE(method.solver->best(z), residual) << what;
-      expect_residual(problem, z, method.solver->best(z));
+      const Outcome again = solve_within(*method.solver, {.work = 2 * whole.work + 1});
+      EXPECT_TRUE(again.has_ended) << what;
+      EXPECT_NEAR(again.work, whole.work, 1e-9 * whole.work) << what;  // a difference of sums
+      expect_same(again.answer, whole.answer, what);
+      Answer solved;
+      method.solver->solve({}, solved);
+      expect_same(solved, whole.answer, what + " by solve()");
     }
   }
+  EXPECT_GE(ended_by_budget, 200);
 }
 
-TEST(ResumableTest, TheStatedErrorIsClaimedAndNoMore) {
+TEST(BudgetedTest, TheStatedErrorIsClaimedAndNoMore) {
   const Problem wall("wall", testing::frictional_brick_wall(6, 8, 0.5));
   for (const Method& method : methods()) {
     if (pivots(method) || !why_not(method.solver->capabilities(), wall).empty()) continue;
     method.solver->load(wall);
-    const Outcome rough = in_one_part(*method.solver, nullptr, 1e-2);
-    const Outcome full = in_one_part(*method.solver, nullptr, 0);
+    const Outcome rough = solve_within(*method.solver, {.error = 1e-2});
+    const Outcome full = solve_within(*method.solver);
     ASSERT_EQ(rough.answer.claim, Claim::kSolved) << method.name;
     EXPECT_LE(Evaluator(wall).errors(rough.answer).velocity_residual_relative, 1.01e-2) << method.name;
     EXPECT_LT(rough.work, full.work) << method.name;
-    Answer solved;  // the error of the last begin() is not that of a solve
-    in_one_part(*method.solver, nullptr, 1e-2);
+    Answer solved;  // the error of the last solve_within() is not that of a solve
+    solve_within(*method.solver, {.error = 1e-2});
     method.solver->solve({}, solved);
     expect_same(solved, full.answer, method.name);
   }
 }
 
-TEST(ResumableTest, PartsAllocateNothing) {
+TEST(BudgetedTest, SolvesAllocateNothing) {
   for (const Problem& problem : problems()) {
     for (const Method& method : methods()) {
-      if (!method.solver->capabilities().allocation_free) continue;
-      if (!why_not(method.solver->capabilities(), problem).empty()) continue;
+      if (!takes(method, problem) || !method.solver->capabilities().allocation_free) continue;
       method.solver->load(problem);
       Answer answer;
       answer.reserve(problem);
-      Vector z(problem.size());
       const Vector start = Vector::Ones(problem.size());
+      const double work = 0.5 * solve_within(*method.solver).work;
       EXPECT_EQ(testing::count_allocations([&] {
-                  method.solver->begin(&start, 1e-6);
-                  for (int part = 0; part < 50 && !method.solver->go_on(1, kInfinity, answer); ++part) {
-                    method.solver->best(z);
-                  }
+                  method.solver->solve_within({.start = &start, .error = 1e-6, .work = work}, answer);
+                  method.solver->residual(answer);
                 }),
                 0)
           << problem.name() << ", " << method.name;
@@ -264,4 +210,4 @@ TEST(ResumableTest, PartsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace lcpbench::resumable_test
+}  // namespace lcpbench::budgeted_test

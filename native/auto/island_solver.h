@@ -3,12 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <span>
 
 #include "native/answer_test/answer_test.h"
-#include "native/auto/features.h"
 #include "native/auto/methods.h"
-#include "native/auto/race.h"
+#include "native/auto/order.h"
 #include "native/auto/report.h"
 #include "native/auto/rest.h"
 #include "native/auto/sticking_contacts.h"
@@ -22,25 +20,25 @@ struct AutoLimits {
 };
 
 /// Solves one contact problem: from a last answer by the guess that its impulses hold again, or that the contacts that
-/// stuck in it stick again; else by a race of methods, and by the convex problem of rest, before the race or after it.
+/// stuck in it stick again; else by methods that take turns (see Order), and by the convex problem of rest, before them
+/// or after one has an answer.
 ///
 /// If hard contacts can hold the island at rest, and G is given, the answer is rest, and its velocity exactly zero.
 ///
-/// load() loads the method that is predicted to be the fastest, unless that takes long; all others are loaded when
-/// their turn comes, which allocates.
-class IslandRace final : private Stable {
+/// load() loads the first method, unless that takes long; all others are loaded when their turn comes, which allocates.
+class IslandSolver {
  public:
   /// @param shared methods that other islands use as well
   /// @param is_whole each problem is one island with all its contacts and coordinates, and the next step of the last
-  IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, bool is_whole);
+  IslandSolver(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, bool is_whole);
 
   /// Of the problems loaded from now on: how many coordinates no contact moves. At first none.
   void expect_idle(Index coordinates) { idle_ = coordinates; }
 
-  /// How the methods are loaded. At first: the fastest one at once.
+  /// How the methods are loaded. At first: the first one at once.
   struct Load {
     bool in_turn = false;      ///< when solve() needs them, into the shared ones: small islands touch memory once
-    bool after_guess = false;  ///< only if solve() finds that the contacts of the last step do not hold
+    bool after_guess = false;  ///< the next step: only if solve() finds that the contacts of the last one do not hold
   };
   /// @param problem must outlive the next load @param v the velocity now
   void load(const Problem& problem, const Vector& v, const Load& how);
@@ -50,48 +48,44 @@ class IslandRace final : private Stable {
   /// `answer` as of Solver::solve(). Where the claim is neither solved nor unsolvable z is the best iterate.
   void solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
 
-  /// Work that the fastest method is predicted to take.
-  double predicted();
+  /// Work that the first method takes on about half of all islands of this size, or of that of the last step.
+  double likely_work() const { return order_.likely_work(); }
   /// The velocity of an answer that came without.
   void respond(const Answer& answer, Vector& u) { methods_->respond(answered_by_, answer.z, u); }
 
  private:
-  /// What comes first: the race, or the convex problem of rest by what takes less work.
-  enum class Order { kRaceFirst, kActiveSetsFirst, kInteriorPointFirst };
+  enum class Progress { kNone, kBegun, kEnded };
+  /// What comes first: the methods, or the convex problem of rest by what takes less work.
+  enum class Rests { kAfterwards, kByActiveSets, kByInteriorPoint };
 
-  Entrant first() override { return first_; }
-  std::span<const Entrant> entrants() override;
-  ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
-  bool passes(const Vector& best, Answer& answer) override;
-  bool disproves(Answer& answer) override;
-  void enter();
+  bool passes(const Vector& z, Answer& answer);
+  bool disproves(Answer& answer);
   void choose();
-  void expect_rest();
   void load_first();
-  std::size_t entrant_of(AutoMethod method) const;
+  bool is_too_late_for(AutoMethod method, double deadline_s);
   double aim_of(double error) const;
   double largest_claimed() const;
-  double work_before_proof();
   AnswerTest& loaded_test();
-  Order order();
-  double cost_of_active_sets() const;
-  double cost_of_interior_point();
+  Rests when_to_rest() const;
+  double work_of_active_sets() const;
+  double work_of_interior_point() const;
   Rest& loaded_rest();
   StickingContacts& loaded_sticking();
   bool still_rests(const Vector& start, Answer& answer, AutoReport& report);
   bool guesses(const Vector* start) const;
   bool sticks_again(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
-  bool race(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool take_turns(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
+  double note_iterate(BudgetedSolver& solver, AutoMethod method, const Answer& answer);
   bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report);
-  bool is_refuted_by(ResumableSolver& method, Answer& scratch);
+  bool is_refuted_near(const Vector& z);
   bool slips(const Answer& answer);
   void find_velocity(const Answer& answer);
   bool may_rest_instead(const Answer& answer);
   bool find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool balance(double imbalance, Answer& answer, AutoReport& report);
   bool settle_at_rest(Answer& answer, AutoReport& report);
-  void take_best(Race::End end, Answer& answer);
+  void take_best(Claim otherwise, Answer& answer);
 
   const double error_;
   const bool is_whole_;
@@ -101,19 +95,17 @@ class IslandRace final : private Stable {
   Index idle_ = 0;
   const Problem* problem_ = nullptr;
   Vector v_;
-  Features features_;
-  std::array<AutoMethod, Race::kMostEntrants> order_{};
-  Entrant first_;
-  std::array<Entrant, Race::kMostEntrants> entrants_{};
-  std::size_t count_ = 0;         ///< of entrants
-  bool has_predictions_ = false;  ///< of entrants_
-  Order order_of_rest_ = Order::kRaceFirst;
+  Order order_;
+  Rests rests_ = Rests::kAfterwards;
+  AutoMethod winner_ = AutoMethod::kContactLemke;  ///< of the last step
+  bool has_winner_ = false;
   bool knows_no_rest_ = false;  ///< in this solve the convex problem was solved, and contacts that press slip in it
   Rest rest_;
   bool has_rest_ = false;  ///< rest_ holds the problem
-  Race race_;
   bool is_unsettled_ = false;  ///< the last answer: it may be near one of rest
-  bool has_raced_ = false;     ///< in this solve
+  std::array<Progress, kAutoMethods> progress_{};  ///< in this solve
+  Vector best_;               ///< the best iterate of this solve
+  double best_residual_ = 0;                       ///< infinity: there is none
   AnswerTest test_;            ///< of iterates
   bool has_test_ = false;      ///< it holds the problem
   AutoLimits limits_;
