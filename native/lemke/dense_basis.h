@@ -10,10 +10,9 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// The basis of `lemke{engine=dense}`, the reference of all time ratios, which is simple on purpose. B, n x n, consists
-/// of the basic columns of w - M z - cover z0 = q, where cover is 1 if q < 0, else 0. x = B^-1 q and d = B^-1 (entering
-/// column) come from a new LU factorization of B with partial pivoting at each pivot: 2/3 n^3 operations, and
-/// allocations from about 400 rows on. Slot i holds the variable of B's column i. Variables 0 to n - 1 are w, n to
-/// 2 n - 1 are z, 2 n is z0.
+/// of the basic columns of w - M z - cover z0 = q. x = B^-1 q and d = B^-1 (entering column) come from a new LU
+/// factorization of B with partial pivoting at each pivot: 2/3 n^3 operations, and allocations from about 400 rows on.
+/// Slot i holds the variable of B's column i. Variables 0 to n - 1 are w, n to 2 n - 1 are z, 2 n is z0.
 class DenseBasis {
  public:
   /// Copies the problem, with all of M, and allocates for it. start() sets the basis.
@@ -38,13 +37,13 @@ class DenseBasis {
   const Slots& slots() const { return slots_; }
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
-  /// The basis of all w but that of `row`, which z0 replaces. @pre q is negative and least in `row`: then x >= 0
+  /// The basis of all w but that of `row`, which z0 replaces. @pre `row` is the last to be covered: then x >= 0
   void start(Count row) {
     const Count n = problem_.n();
     B_.setIdentity();
-    const double value = -problem_.q[row];
+    const double value = problem_.needed(row);
     for (Count i = 0; i < n; ++i) {
-      x_[i] = problem_.q[i] + problem_.cover(i) * value;
+      x_[i] = problem_.q[i] + problem_.cover[i] * value;
       put(i, i);
     }
     for (Count i = n; i < slots_.count; ++i) x_[i] = 0;  // the last path may have left NaN in the padding
@@ -94,7 +93,7 @@ class DenseBasis {
     } else if (variable < 2 * n) {
       column = -M_.col(variable - n);
     } else {
-      for (Count i = 0; i < n; ++i) column(i) = -problem_.cover(i);
+      for (Count i = 0; i < n; ++i) column(i) = -problem_.cover[i];
     }
   }
 

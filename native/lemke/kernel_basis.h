@@ -33,7 +33,7 @@ class KernelBasis {
     cover_.fill(column_slots_, 0);
     for (Count i = 0; i < n; ++i) {
       q_[row_slot(i)] = problem_.q[i];
-      cover_[row_slot(i)] = problem_.cover(i);
+      cover_[row_slot(i)] = problem_.cover[i];
     }
     rows_.resize(n);
     columns_.resize(n);
@@ -52,11 +52,11 @@ class KernelBasis {
   void start(Count row) {
     shrink(0);
     const Count n = problem_.n();
-    const double value = -problem_.q[row];
+    const double value = problem_.needed(row);
     for (Count i = 0; i < column_slots_; ++i) x_[i] = 0;  // an overflow leaves NaN in the padding
     for (Count i = 0; i < n; ++i) {
       const Count slot = row_slot(i);
-      x_[slot] = problem_.q[i] + problem_.cover(i) * value;
+      x_[slot] = problem_.q[i] + problem_.cover[i] * value;
       id_[slot] = static_cast<double>(i);
       problem_.slot_of[i] = slot;
     }
@@ -108,7 +108,7 @@ class KernelBasis {
 
   /// Entry of M, or of the covering vector, in the column of a basic variable that is no w.
   double entry(Count row, Count variable) {
-    if (variable == problem_.artificial()) return problem_.cover(row);
+    if (variable == problem_.artificial()) return problem_.cover[row];
     return problem_.M.entry(row, variable - problem_.n());
   }
 

@@ -90,7 +90,7 @@ Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
       test_(test_of(settings)) {}
 
 void Lemke::on_load(const Problem& problem) {
-  lemke::load(problem, *engine_);
+  lemke::load(problem, settings_.cover == LemkeCover::kAll, *engine_);
   if (test_ != nullptr) test_->load(problem);
 }
 

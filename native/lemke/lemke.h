@@ -13,6 +13,7 @@
 
 namespace lcpbench {
 
+enum class LemkeCover { kNegative, kAll };
 enum class LemkeUpdate { kResolve, kIncremental };
 enum class LemkeCap { kPaper, kLemke, k3n };
 /// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
@@ -20,6 +21,7 @@ enum class LemkeAnswerTest { kAuto, kNone, kResidual };
 
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
+  LemkeCover cover = LemkeCover::kNegative;
   double pivot_tolerance = 1e-10;
   double zero_tolerance = 1e-6;
   LemkeUpdate update = LemkeUpdate::kResolve;
@@ -30,6 +32,9 @@ struct LemkeSettings {
   void visit(auto&& field) {
     field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
           "what is factored afresh at each pivot: the whole basis, or only its kernel, the rows whose w is nonbasic");
+    field("cover", cover, Choices<LemkeCover>{{{"negative", LemkeCover::kNegative}, {"all", LemkeCover::kAll}}},
+          "covering vector: 1 where q < 0 and 0 elsewhere, as in LEMKE; all: different numbers from 1 to 2, but 0 in "
+          "rows of friction cones");
     field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0}, "a row may leave only if its pivot is larger");
     field("zero_tolerance", zero_tolerance, RealRange{.min = 0},
           "slack of the ratio test, and of q >= 0 in the test for z = 0");
@@ -60,10 +65,10 @@ struct LemkePivot {
 /// Solves LCP(q, M) by Lemke's complementary pivoting with the rules of LEMKE, the program behind the study of
 /// Drumwright and Shell (2012).
 ///
-/// Covering vector 1 where q_i < 0 and 0 elsewhere; ratio test with a zero tolerance, ties to the largest pivot, the
-/// artificial variable preferred. Processes any copositive-plus M in exact arithmetic without degeneracy [Cottle, Pang,
-/// Stone 1992, 4.4]; ties are not broken lexicographically, so that degenerate problems may cycle up to the limit on
-/// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of nonbasic w, and the
+/// Covering vector 1 where q_i < 0 and 0 elsewhere, unless cover=all; ratio test with a zero tolerance, ties to the
+/// largest pivot, the artificial variable preferred. Processes any copositive-plus M in exact arithmetic without
+/// degeneracy [Cottle, Pang, Stone 1992, 4.4]; ties are not broken lexicographically, so that degenerate problems may
+/// cycle up to the limit on pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of nonbasic w, and the
 /// first time that a z enters O(ngc^2 + ngc n) for its column of M. load(): O(ngc^3) for contacts, O(n^2) for a bare
 /// LCP. See docs/reference/solvers/lemke.md.
 ///

@@ -14,6 +14,8 @@ struct Input {
   std::ptrdiff_t dense = 0;
   std::ptrdiff_t cones = 0;
   const double* q = nullptr;  ///< n
+  /// The covering vector is 1 where q < 0, else 0; with covers_all different numbers from 1 to 2, but 0 in cone rows.
+  bool covers_all = false;
 
   const double* M = nullptr;  ///< dense x dense by columns, or nullptr when the block is J' Ginv J
   std::ptrdiff_t ngc = 0;

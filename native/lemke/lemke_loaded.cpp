@@ -23,15 +23,16 @@ Engine* create(LemkeEngine engine, IsaLevel level) {
   return dense ? baseline::create_dense_engine() : baseline::create_kernel_engine();
 }
 
-void load_matrix(const Lcp& lcp, Engine& engine) {
+void load_matrix(const Lcp& lcp, bool covers_all, Engine& engine) {
   Input input;
+  input.covers_all = covers_all;
   input.n = input.dense = lcp.size();
   input.q = lcp.q.data();
   input.M = lcp.M.data();
   engine.load(input);
 }
 
-void load_contact(const ContactProblem& contact, Engine& engine) {
+void load_contact(const ContactProblem& contact, bool covers_all, Engine& engine) {
   const ContactLayout layout = contact_layout(contact);
   const Index impulses = layout.nc + layout.friction;
   RowMajorMatrix J(contact.ngc(), impulses);
@@ -53,6 +54,7 @@ void load_contact(const ContactProblem& contact, Engine& engine) {
   friction_begin.push_back(impulses);
 
   Input input;
+  input.covers_all = covers_all;
   input.n = layout.size();
   input.dense = impulses;
   input.cones = layout.cones;
@@ -74,12 +76,12 @@ std::unique_ptr<Engine> make_engine(LemkeEngine engine, IsaLevel level) {
   return std::unique_ptr<Engine>(create(engine, level));
 }
 
-void load(const Problem& problem, Engine& engine) {
+void load(const Problem& problem, bool covers_all, Engine& engine) {
   const ContactProblem* contact = problem.contact();
-  if (contact == nullptr) return load_matrix(problem.lcp(), engine);
+  if (contact == nullptr) return load_matrix(problem.lcp(), covers_all, engine);
   // The factors stand for the usual matrix only.
-  if (problem.formation() == MatrixFormation{}) return load_contact(*contact, engine);
-  load_matrix(make_lcp(problem), engine);
+  if (problem.formation() == MatrixFormation{}) return load_contact(*contact, covers_all, engine);
+  load_matrix(make_lcp(problem), covers_all, engine);
 }
 
 }  // namespace lcpbench::lemke

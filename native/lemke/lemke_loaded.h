@@ -16,7 +16,7 @@ namespace lemke {
 std::unique_ptr<Engine> make_engine(LemkeEngine engine, IsaLevel level);
 
 /// Contact problems in factors, unless Problem::formation() asks for another matrix: M is not formed here.
-void load(const Problem& problem, Engine& engine);
+void load(const Problem& problem, bool covers_all, Engine& engine);
 
 }  // namespace lemke
 }  // namespace lcpbench

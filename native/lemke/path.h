@@ -62,7 +62,7 @@ template <bool kResolve, class Basis>
 Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
   const Count n = basis.problem().n();
   const Count artificial = basis.problem().artificial();
-  Count leaving = basis.problem().most_negative_row();
+  Count leaving = basis.problem().last_to_be_covered();
   basis.start(leaving);
   Outcome outcome;
   while (leaving != artificial) {

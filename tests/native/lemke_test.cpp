@@ -208,21 +208,23 @@ TEST_P(LemkeTest, PivotToleranceBarsSmallerPivots) {
 
 TEST_P(LemkeTest, AnOverflowLeavesNothingBehind) {
   // With a slack of 2^600 w_1 leaves first, which takes w_2 to -2^600; its pivot of 2^-600 then makes the step
-  // infinite. The same object afterwards solves the problem as a new one does.
+  // infinite. The same object afterwards solves another problem as a new one does.
   const Problem problem = bare(matrix_of(3, {0, 0, 0, -2, 0, 0, -1, -0x1p-600, 1}), vector_of({-0x1p601, 0x1p601, 0}));
+  const Problem other = bare(tridiagonal(3, 4, -1), vector_of({-0x1p602, -0x1p603, -0x1p602}));
   LemkeSettings settings = this->settings();
   settings.test = LemkeAnswerTest::kNone;
-  const Answer expected = run(settings, problem).answer;
-  EXPECT_EQ(expected.claim, Claim::kUnsolvable);
+  settings.pivot_tolerance = 0;
+  settings.zero_tolerance = 0x1p600;
+  const Answer expected = run(settings, other).answer;
+  EXPECT_EQ(expected.claim, Claim::kSolved);
   Lemke solver(settings);
   solver.load(problem);
   Answer answer;
-  solver.use_tolerances(0, 0x1p600);
   solver.solve({}, answer);
   if (settings.update == LemkeUpdate::kIncremental) {
     EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
   }
-  solver.use_tolerances(settings.pivot_tolerance, settings.zero_tolerance);
+  solver.load(other);
   solver.solve({}, answer);
   EXPECT_EQ(answer.claim, expected.claim);
   EXPECT_EQ(answer.z, expected.z);
@@ -294,13 +296,16 @@ TEST_P(LemkeTest, TakesTheMatrixThatItsSetAsksFor) {
   }
 }
 
-void expect_same_path(const std::string& set_name, std::int64_t trials, std::int64_t allowed) {
+void expect_same_path(const std::string& set_name, std::int64_t trials, std::int64_t allowed,
+                      LemkeCover cover = LemkeCover::kNegative) {
   const auto set = open_set(set_name);
   std::int64_t different = 0;
   for (std::int64_t trial = 0; trial < trials; ++trial) {
     const Problem problem = set->generate(1, trial);
-    const Recorded dense = run(with(LemkeEngine::kDense), problem);
-    const Recorded kernel = run(with(LemkeEngine::kKernel), problem);
+    LemkeSettings dense_settings = with(LemkeEngine::kDense), kernel_settings = with(LemkeEngine::kKernel);
+    dense_settings.cover = kernel_settings.cover = cover;
+    const Recorded dense = run(dense_settings, problem);
+    const Recorded kernel = run(kernel_settings, problem);
     different += dense.pivots == kernel.pivots && dense.answer.claim == kernel.answer.claim ? 0 : 1;
   }
   EXPECT_LE(different, allowed) << set_name;
@@ -314,6 +319,7 @@ TEST(LemkeEnginesTest, TakeTheSamePivots) {
   }
   expect_same_path("paper/copositive/exp1", 6, 0);
   expect_same_path("paper/copositive/exp2", 6, 0);
+  expect_same_path("paper/copositive/exp1", 6, 0, LemkeCover::kAll);
 }
 
 TEST(LemkeEnginesTest, AgreeOnPivotsOfExponentialPaths) {
