@@ -67,9 +67,6 @@ class AnswerTest {
   /// where double decided. It depends on the data alone. Of bare LCPs 0.
   double work_in_quad() const { return work_in_quad_; }
 
-  /// Whether the bare LCP of the last settle_ray() is unsolvable but for rounding: other methods need not try it.
-  bool nearly_disproved() const { return bare_ && bare_test_.nearly_disproved(); }
-
  private:
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 

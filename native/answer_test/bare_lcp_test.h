@@ -36,9 +36,6 @@ class BareLcpTest {
   /// The same by rounding u, which proves it nearly, and else as above.
   bool disproves_near(const Vector& u, double deadline_s);
 
-  /// Whether the last disproves(), though false, found what proves it but for rounding.
-  bool nearly_disproved() const { return search_.found_near_proof(); }
-
   /// That u, n entries. @pre the last disproves() was true
   const Vector& proof() const { return search_.proof(); }
 

@@ -13,6 +13,7 @@
 #include "core/timed_solve.h"
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/rest.h"
+#include "native/auto/bare_lcp.h"
 #include "native/auto/even_impulses.h"
 #include "native/auto/island.h"
 #include "native/auto/island_solver.h"
@@ -20,7 +21,6 @@
 #include "native/auto/report.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/contacts/row_bounds.h"
-#include "native/lcp_ladder/lcp_ladder.h"
 #include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
@@ -59,7 +59,7 @@ double error_of(const AutoSettings& settings) {
   return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
 }
 
-/// What a user should call: an IslandSolver for each island of contacts, LcpLadder for each block of a bare LCP, in which
+/// What a user should call: an IslandSolver for each island of contacts, BareLcp for each block of a bare LCP, in which
 /// free unknowns that were written as the difference of two are one again. Hands out the best answer that was tested.
 /// See docs/reference/solvers/auto.md.
 ///
@@ -106,7 +106,7 @@ class Auto final : public Solver {
   void make_even(double deadline_s, Answer& answer);
 
   AutoSettings settings_;
-  LcpLadder lcp_;
+  BareLcp lcp_;
   std::vector<std::vector<Index>> blocks_;  ///< rows of a bare LCP that M connects, where they are not all
   std::vector<std::pair<Index, Index>> pairs_;  ///< rows of a bare LCP that are one free unknown
   std::vector<Index> of_free_;                  ///< the row of each row of free_'s problem
@@ -301,12 +301,7 @@ bool Auto::solve_with_free_unknowns(const SolveRequest& request, Answer& answer)
 /// Each block may take the time that is left.
 void Auto::solve_blocks(const SolveRequest& request, Answer& answer) {
   if (!pairs_.empty() && solve_with_free_unknowns(request, answer)) return;
-  const char* text = "";
-  if (blocks_.empty()) {
-    lcp_.solve(request, answer, text);
-    answer.detail = text;
-    return;
-  }
+  if (blocks_.empty()) return lcp_.solve(request, answer);
   const double deadline_s = wall_clock_s() + request.time_limit_s;
   const Lcp& whole = problem().lcp();
   answer.claim = Claim::kSolved;
@@ -318,7 +313,7 @@ void Auto::solve_blocks(const SolveRequest& request, Answer& answer) {
     part_.reserve(block);
     part_.clear();
     lcp_.load(block);
-    lcp_.solve({.time_limit_s = deadline_s - wall_clock_s()}, part_, text);
+    lcp_.solve({.time_limit_s = deadline_s - wall_clock_s()}, part_);
     answer.counters.iterations += part_.counters.iterations;
     answer.counters.pivots += part_.counters.pivots;
     answer.counters.factorizations += part_.counters.factorizations;
@@ -326,7 +321,7 @@ void Auto::solve_blocks(const SolveRequest& request, Answer& answer) {
     if (part_.claim == Claim::kSolved || (answer.claim != Claim::kSolved && part_.claim != Claim::kUnsolvable)) continue;
     answer.claim = part_.claim;
     answer.detail = "block of " + std::to_string(rows.size()) + " rows, from row " + std::to_string(rows.front()) +
-                    ": " + text;
+                    ": " + part_.detail;
     if (part_.claim != Claim::kUnsolvable) continue;
     answer.z.setZero();
     if (part_.farkas.size() == 0) return;

@@ -84,19 +84,8 @@ class Lemke final : public Solver {
 
   const Capabilities& capabilities() const override { return capabilities_; }
 
-  /// For later solves, instead of those of the settings: nothing is loaded anew, and whether answers are tested stays
-  /// as it was.
-  void use_tolerances(double pivot, double zero) {
-    settings_.pivot_tolerance = pivot;
-    settings_.zero_tolerance = zero;
-  }
-
   /// LemkeSettings::max_pivots of later solves.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
-
-  /// The test for the problem that was loaded last; other methods may test their answers with it. @pre answers are
-  /// tested (LemkeSettings::test)
-  AnswerTest& answer_test() { return *test_; }
 
   /// Appends every pivot of later solves to `pivots`, but for the first exchange, which brings in the artificial
   /// variable. For tests; nullptr ends it. Not owned.

@@ -17,7 +17,6 @@
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "native/answer_test/bare_lcp_test.h"
-#include "native/lcp_ladder/covering_lemke.h"
 #include "native/proofs/farkas_search.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/solving.h"
@@ -113,6 +112,10 @@ TEST(BareClaimsTest, AutoSolvesGamesThatTheRulesOfLemkeDoNot) {
     EXPECT_EQ(answer.claim, Claim::kSolved) << seed << ": " << answer.detail;
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << seed;
     by_lemke += solve("lemke", problem).claim == Claim::kSolved;
+    for (const char* engine : {"dense", "kernel"}) {
+      const Answer covered = solve("lemke{cover=all,engine=" + std::string(engine) + "}", problem);
+      EXPECT_EQ(covered.claim, Claim::kSolved) << seed << ": " << engine;
+    }
   }
   EXPECT_LT(by_lemke, 10);
 }
@@ -293,20 +296,6 @@ TEST(FarkasSearchTest, TermsThatUnderflowAreNoNearProof) {
     search.load(lcp);
     EXPECT_FALSE(search.find({1, 1}, kForever)) << scale;
     EXPECT_FALSE(search.found_near_proof()) << scale;
-  }
-}
-
-// Problems of any order may follow each other; above 300 rows there is no memory for 113 bits.
-TEST(CoveringLemkeTest, SolvesSmallProblemsAfterLargeOnes) {
-  CoveringLemke method;
-  for (const Index rows : {350, 2, 200, 400, 250}) {
-    const Lcp lcp{.M = Matrix::Identity(rows, rows), .q = Vector::Constant(rows, -1)};
-    method.load(lcp);
-    if (rows > CoveringLemke::kLargestQuad) continue;
-    Vector z(rows);
-    const CoveringLemke::Limits limits{.deadline_s = kForever, .pivots = 4 * rows};
-    ASSERT_EQ(method.run<Quad>(CoveringLemke::Cover::kAll, limits, z), CoveringLemke::End::kSolved) << rows;
-    EXPECT_EQ(z, Vector::Ones(rows)) << rows;
   }
 }
 

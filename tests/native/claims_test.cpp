@@ -183,7 +183,6 @@ Problem nearly_singular_bodies() {
                                           BlockInertia{{nearly_singular, Matrix::Identity(2, 2)}})};
 }
 
-// Nor does auto on every stage for bare LCPs but the enumeration.
 TEST(ClaimsTest, AreTestedWithoutAllocation) {
   std::vector<std::pair<std::string, Problem>> cases;
   for (const char* name : {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor",

@@ -1,4 +1,4 @@
-#include "native/lcp_ladder/lemke_howson.h"
+#include "native/lemke/lemke_howson.h"
 
 #include <algorithm>
 #include <cmath>
