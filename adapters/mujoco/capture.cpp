@@ -190,10 +190,7 @@ class MujocoEngine final : public Engine {
     note(snapshot);
     if (!scene_.soft.empty()) return step_softly(snapshot);
     const Coordinates coordinates(*model_, *data_);
-    const int first = data_->ne, lost = data_->nf;  // friction of joints and tendons: the force that MuJoCo found acts
-    const Eigen::Map<const RowMatrix> J(data_->efc_J, data_->nefc, model_->nv);
-    const Eigen::VectorXd forces = numbers(data_->qfrc_smooth, model_->nv) +
-                                   J.middleRows(first, lost).transpose() * numbers(data_->efc_force + first, lost);
+    const Eigen::VectorXd forces = numbers(data_->qfrc_smooth, model_->nv) + found_friction();
     const Eigen::VectorXd velocity =
         numbers(data_->qvel, model_->nv) + step_length() * coordinates.accelerations(forces);
     look_at_poses(snapshot);
@@ -237,6 +234,29 @@ class MujocoEngine final : public Engine {
           ((i & 4) != 0 ? size[2] : -size[3]);
     }
     return corners;
+  }
+
+  /// Of hard contacts the friction that is no part of the problem, as MuJoCo found it: that of joints and tendons, and
+  /// torsional and rolling friction of contacts.
+  Eigen::VectorXd found_friction() const {
+    const Eigen::Map<const RowMatrix> J(data_->efc_J, data_->nefc, model_->nv);
+    const mjtNum* const force = data_->efc_force;
+    const int first = data_->ne, lost = data_->nf;
+    Eigen::VectorXd found = J.middleRows(first, lost).transpose() * numbers(force + first, lost);
+    for (int i = 0; i < data_->ncon; ++i) {
+      const mjContact& contact = data_->contact[i];
+      if (contact.efc_address < 0) continue;
+      for (int k = 2; k + 1 < contact.dim; ++k) {
+        if (model_->opt.cone == mjCONE_ELLIPTIC) {
+          const int row = contact.efc_address + 1 + k;
+          found += force[row] * J.row(row).transpose();
+        } else {  // edges n + mu_k t_k and n - mu_k t_k
+          const int row = contact.efc_address + 2 * k;
+          found += (force[row] - force[row + 1]) / 2 * (J.row(row) - J.row(row + 1)).transpose();
+        }
+      }
+    }
+    return found;
   }
 
   /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid, and each
@@ -300,10 +320,9 @@ class MujocoEngine final : public Engine {
     const bool soft = !scene_.soft.empty();
     add("steps of the integrator " + integrator_ + ", which Euler's rule took", integrator_.empty() ? 0 : 1);
     if (!soft || model_->opt.cone == mjCONE_ELLIPTIC) {  // a pyramid has edges for them
-      const char* const how = soft ? "as the force that MuJoCo found" : "left out";
-      add(fmt::format("contacts with torsional friction (condim 4 or 6), {}", how),
+      add("contacts with torsional friction (condim 4 or 6), as the force that MuJoCo found",
           contacts([](const mjContact& each) { return each.dim > 3; }));
-      add(fmt::format("contacts with rolling friction (condim 6), {}", how),
+      add("contacts with rolling friction (condim 6), as the force that MuJoCo found",
           contacts([](const mjContact& each) { return each.dim > 4; }));
       add("contacts with two coefficients of sliding friction: the second tangent is scaled",
           contacts([](const mjContact& each) { return each.dim > 1 && each.friction[0] != each.friction[1]; }));
