@@ -13,7 +13,7 @@ namespace lcpbench {
 
 /// A solver whose iterates are impulses: its state, and the test of its answers. Base is a Solver. on_load() of the
 /// solver loads state_ and, unless it sets refusal_, calls load_test().
-template <class Base = Solver>
+template <class Base>
 class ImpulseSolver : public Base {
  protected:
   void on_update(const Vector& v) final {

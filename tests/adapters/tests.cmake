@@ -30,7 +30,6 @@ lcpbench_test(adapter_conventions)
 lcpbench_test(adapter_friction)
 lcpbench_test(adapter_hostile)
 lcpbench_test(adapter_cone)
-lcpbench_test(quickstep_sor)  # against the real QuickStep
 lcpbench_test(large_scenes SLOW APART OPTIMIZED LINK lcpbench_study NEEDS lcpbench_workers)
 lcpbench_test(velocity_ipm_cholmod)
 

@@ -119,7 +119,7 @@ TEST(ClaimsTest, LeaveNoMoreThanTheSureResidualHoweverLittleContactsMissTheirSol
       ++unsolvable;
       for (const double share : {1e-3, 1e-5, 1e-7}) {
         const Problem nearly = nearly_solvable(problem, disproof.farkas, share);
-        for (const char* solver : {"lemke", "regularized", "friction_ipm", "contact_ipm", "quickstep_sor", "auto"}) {
+        for (const char* solver : {"lemke", "regularized", "friction_ipm", "contact_ipm", "auto"}) {
           const Answer answer = solve(solver, nearly, kPatient);
           if (answer.claim == Claim::kSolved) expect_solved(nearly, answer, kSureResidual, solver);
         }
@@ -145,7 +145,7 @@ TEST(ClaimsTest, AreMadeByIterationsOnIslandsThatDifferInScaleAndInSweeps) {
   for (const Storage storage : {Storage::kDense, Storage::kBlocks, Storage::kSparse}) {
     for (const auto& [fast, slow] : {std::pair(1e10, 1e-4), std::pair(1e-9, 1e8), std::pair(1.0, 1.0)}) {
       const Problem problem = testing::two_chains(fast, slow, storage);
-      for (const char* solver : {"psor", "quickstep_sor", "velocity_ipm", "friction_ipm", "proximal_newton", "contact_ipm"}) {
+      for (const char* solver : {"psor", "velocity_ipm", "friction_ipm", "proximal_newton", "contact_ipm"}) {
         const Answer answer = solve(solver, problem, kPatient);
         expect_solved(problem, answer, kSolvedVelocityResidual, solver);
         if (answer.velocity.size() > 0) {
@@ -186,7 +186,7 @@ Problem nearly_singular_bodies() {
 TEST(ClaimsTest, AreTestedWithoutAllocation) {
   std::vector<std::pair<std::string, Problem>> cases;
   for (const char* name : {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor",
-                           "quickstep_sor", "primal_dual"}) {
+                           "primal_dual"}) {
     cases.emplace_back(name, nearly_singular_bodies());
   }
   for (const char* name : {"hard/exponential/upper{n=16}", "hard/ill-conditioned/pascal",

@@ -22,7 +22,7 @@ constexpr std::int64_t kProblems = 50;
 const std::map<std::string, std::string> kCapped{
     {"bullet_pgs", "ten sweeps"},  {"bullet_si", "ten sweeps"},   {"bullet_nncg", "ten sweeps"},
     {"dart_pgs", "thirty sweeps"}, {"simbody_pgs", "100 sweeps"}, {"simbody_plus", "one order of guesses"},
-    {"ipopt_mpcc", "tolerance"},   {"ipopt_qp", "tolerance"},     {"quickstep_sor", "its sweeps"}};
+    {"ipopt_mpcc", "tolerance"},   {"ipopt_qp", "tolerance"}};
 
 struct Shares {
   int solved = 0;

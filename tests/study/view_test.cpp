@@ -245,7 +245,7 @@ TEST_F(ViewCommand, TakesContactsWithoutBodiesAndWithoutContacts) {
 TEST_F(ViewCommand, TheReportHasStepsWithAVerifiedAnswerAndOneThatFailed) {
   done(
       "run --set scene/stack/ode --set scene/stack/dart --set scene/wall/ode --solver auto "
-      "--solver 'psor{max_iterations=20}' --solver 'quickstep_sor{iterations=5}' --store s.db");
+      "--solver 'psor{max_iterations=20}' --solver 'psor{max_iterations=5}' --store s.db");
   Store store = Store::open_for_reading(folder_ / "s.db");
   const auto views = stored_step_views(store, 6, 100'000);
   ASSERT_EQ(views.size(), 2u);  // one of the stacks, and the wall
@@ -257,7 +257,7 @@ TEST_F(ViewCommand, TheReportHasStepsWithAVerifiedAnswerAndOneThatFailed) {
     EXPECT_GT(view["answers"][1]["error_m_per_s"], 1e-4);
   }
   EXPECT_EQ(views[0]["title"].get<std::string>().substr(0, 5), "stack");
-  EXPECT_EQ(views[0]["answers"][1]["solver"], "quickstep_sor{iterations=5}");
+  EXPECT_EQ(views[0]["answers"][1]["solver"], "psor{max_iterations=5}");
   EXPECT_GE(views[0]["answers"][1]["error_m_per_s"], views[1]["answers"][1]["error_m_per_s"]);
   EXPECT_EQ(stored_step_views(store, 1).size(), 1u);
   EXPECT_TRUE(stored_step_views(store, 6, 1000).empty());

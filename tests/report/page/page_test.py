@@ -64,7 +64,7 @@ class PageTest(unittest.TestCase):
         cls.folder = pathlib.Path(cls.scratch.name)
         sets = named("set", "scene/gripper/*", "scene/box/*", "scene/wedge/*", "paper/monotone/exp1",
                      "paper/copositive/exp1")
-        solvers = ["psor", "contact_lemke", "auto", "lemke", "quickstep_sor", "friction_ipm", "psor{max_iterations=20}",
+        solvers = ["psor", "contact_lemke", "auto", "lemke", "regularized", "friction_ipm", "psor{max_iterations=20}",
                    "cone_ipm{cone=true}", "active_set"]
         cls.liar = "bullet_si" if (LCPBENCH.parent / "lcpbench-worker-bullet").exists() else None
         cls.study = Study(cls.folder, "study",
