@@ -12,12 +12,8 @@ namespace {
 /// dense_entries() up to which a dense method is loaded. One then takes about 600 MB of addresses.
 constexpr Index kMostEntries = 4'000'000;
 
-/// kExact: contact_lemke solves the contacts at which the sweeps make no progress. So many sweeps are made only where
-/// all other methods have given up.
-constexpr PsorSettings kSweeps{.max_iterations = 900'000,
-                               .relaxation = 1,
-                               .tolerance = 1e-9,
-                               .acceleration = PsorSettings::Acceleration::kExact};
+/// So many sweeps are made only where all other methods have given up.
+constexpr PsorSettings kSweeps{.max_iterations = 900'000, .relaxation = 1, .tolerance = 1e-9};
 
 std::unique_ptr<BudgetedSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
   switch (method) {

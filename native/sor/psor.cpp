@@ -17,7 +17,7 @@
 namespace lcpbench {
 namespace {
 
-using Acceleration = PsorSettings::Acceleration;
+using Parts = PsorSettings::Parts;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -40,8 +40,8 @@ Capabilities capabilities_of(const PsorSettings& settings) {
                             .guarantees = "none: convergence is not proven",
                             .warm_start = true,
                             .obeys_time_limit = true,
-                            .allocation_free = settings.acceleration != Acceleration::kExact};
-  if (settings.acceleration == Acceleration::kNone) {
+                            .allocation_free = settings.parts == Parts::kNone};
+  if (settings.parts == Parts::kNone) {
     capabilities.guarantees =
         "converges for solvable LCPs with symmetric positive semidefinite M (no friction); with friction none";
   }
@@ -53,7 +53,7 @@ Capabilities capabilities_of(const PsorSettings& settings) {
 /// Frictionless contacts and bare LCPs: z_i := max(0, z_i - relaxation * w_i / M_ii), w kept up to date; rows with
 /// M_ii <= 0 keep z_i = 0. For symmetric positive semidefinite M and 0 < relaxation < 2 the objective 1/2 z'Mz + q'z
 /// never increases, and a solvable LCP is reached in the limit. [Cottle, Pang, Stone 1992, 5.2-5.3; Luo, Tseng 1991]
-/// With acceleration no convergence is proven.
+/// Unless parts=none no convergence is proven.
 ///
 /// Friction: the Anitescu-Potra M has zero diagonal entries, so that the method above does not exist for it. As physics
 /// engines do, each contact's normal impulse is updated like a frictionless row, then its friction impulses take a
@@ -96,7 +96,7 @@ class Psor final : public BudgetedImpulseSolver<PsorSolver> {
   bool sweep_and_test(double deadline_s);
   void accelerate();
   bool is_last() const { return now_.iterations + 1 >= limit(); }
-  bool accelerates() const { return settings_.acceleration != Acceleration::kNone; }
+  bool accelerates() const { return settings_.parts != Parts::kNone; }
   double measure();
   ContactBlocks::Step sweep();
   std::int64_t limit() const { return settings_.max_iterations - static_cast<std::int64_t>(sweeps_of_parts_); }
@@ -134,7 +134,7 @@ void Psor::on_load(const Problem& problem) {
   result_.reserve(problem);
   best_.resize(state_.impulse.size());
   work_of_sweep_ = is_bare() ? static_cast<double>(problem.size() * problem.size()) : blocks_.work();
-  if (settings_.acceleration == Acceleration::kNone) return;
+  if (settings_.parts == Parts::kNone) return;
   steps_.load(impulses().size(), velocity().size());
   may_take_parts_ = !is_bare() && blocks_.has_bodies() && !state_.frictions.empty();
   parts_.clear();

@@ -9,12 +9,12 @@
 namespace lcpbench {
 
 struct PsorSettings {
-  enum class Acceleration { kNone, kExact };
+  enum class Parts { kExact, kNone };
 
   std::int64_t max_iterations = 10000;
   double relaxation = 1.3;
   double tolerance = 1e-8;
-  Acceleration acceleration = Acceleration::kNone;
+  Parts parts = Parts::kExact;
 
   void visit(auto&& field) {
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "sweeps over all contacts (rows of a bare LCP)");
@@ -23,10 +23,9 @@ struct PsorSettings {
     field("tolerance", tolerance, RealRange{.min = 0},
           "an answer is tested, and claimed if it passes, when the velocity residual of every island, evaluated in "
           "double, is at most min(this, 5e-5) times the scale of the island; of a bare LCP times its max|q|");
-    field("acceleration", acceleration,
-          Choices<Acceleration>{{{"none", Acceleration::kNone}, {"exact", Acceleration::kExact}}},
-          "none; exact: a step along a direction conjugate to the last ones after each sweep, and contact_lemke solves "
-          "groups of contacts on which the sweeps make no progress");
+    field("parts", parts, Choices<Parts>{{{"exact", Parts::kExact}, {"none", Parts::kNone}}},
+          "exact: a step along a direction conjugate to the last ones after each sweep, and contact_lemke solves groups "
+          "of contacts on which the sweeps make no progress; none: sweeps alone");
   }
 };
 

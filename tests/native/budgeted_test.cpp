@@ -34,10 +34,9 @@ struct Method {
 };
 
 std::vector<Method> methods() {
-  using Acceleration = PsorSettings::Acceleration;
   std::vector<Method> all;
-  all.push_back({"psor", make_psor({.max_iterations = 500})});
-  all.push_back({"psor exact", make_psor({.max_iterations = 2000, .acceleration = Acceleration::kExact})});
+  all.push_back({"psor", make_psor({.max_iterations = 2000})});
+  all.push_back({"psor of sweeps alone", make_psor({.max_iterations = 500, .parts = PsorSettings::Parts::kNone})});
   all.push_back({"friction_ipm", make_friction_ipm()});
   all.push_back({"proximal_newton", make_proximal_newton()});
   all.push_back({"contact_ipm", make_contact_ipm()});

@@ -98,9 +98,9 @@ TEST(PsorTest, StartingFromTheAnswerTakesOneSweep) {
 // the root of the sweeps.
 TEST(PsorTest, SavesSweepsAsTheoryHasIt) {
   const Problem problem("model", Lcp{testing::tridiagonal(20, 2, -1), -testing::ones(20)});
-  const Answer plain = solve("psor{relaxation=1}", problem);
-  const Answer relaxed = solve("psor{relaxation=1.74}", problem);
-  const Answer conjugate = solve("psor{relaxation=1,acceleration=exact}", problem);
+  const Answer plain = solve("psor{relaxation=1,parts=none}", problem);
+  const Answer relaxed = solve("psor{relaxation=1.74,parts=none}", problem);
+  const Answer conjugate = solve("psor{relaxation=1}", problem);
   for (const Answer* answer : {&plain, &relaxed, &conjugate}) expect_solved(problem, *answer);
   EXPECT_NEAR(static_cast<double>(plain.counters.iterations), std::log(1e-8) / std::log(0.978), 150);
   EXPECT_LT(8 * relaxed.counters.iterations, plain.counters.iterations);  // 13 in the limit
@@ -110,12 +110,12 @@ TEST(PsorTest, SavesSweepsAsTheoryHasIt) {
 // With much friction a handful of sliding contacts keeps the sweeps from settling.
 TEST(PsorTest, ExactPartsSolvePilesAboutWhichTheSweepsWander) {
   const Problem pile("pile", testing::sphere_pile({.columns = 6, .mu = 1.5, .seed = 3}));
-  EXPECT_EQ(solve("psor", pile).claim, Claim::kIterationLimit);
-  const Answer exact = solve("psor{acceleration=exact}", pile);
+  EXPECT_EQ(solve("psor{parts=none}", pile).claim, Claim::kIterationLimit);
+  const Answer exact = solve("psor", pile);
   expect_solved(pile, exact, 1.01e-8);
   EXPECT_LE(exact.counters.iterations, 10000);  // the work of the parts is counted as sweeps
   // One that solved something else before: parts leave nothing behind.
-  const auto solver = make_solver(parse_spec("psor{acceleration=exact}"));
+  const auto solver = make_solver(parse_spec("psor"));
   solver->load(Problem("other", testing::sphere_pile({.columns = 5, .layers = 6, .mu = 2, .seed = 7})));
   solve(*solver);
   solver->load(pile);
