@@ -1,20 +1,152 @@
+#include "native/principal_pivoting/principal_tableau.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "core/registry.h"
+#include "core/settings.h"
+#include "core/solver.h"
 #include "core/timed_solve.h"
-#include "native/principal_pivoting/principal_solver.h"
+#include "native/answer_test/answer_test.h"
 
 namespace lcpbench {
 namespace {
+
+constexpr Capabilities kMurtyCapabilities{.guarantees = "P-matrices", .obeys_time_limit = true, .allocation_free = true};
 
 constexpr Capabilities kCapabilities{.guarantees = "positive semidefinite M and P-matrices, barring degenerate cycles",
                                      .obeys_time_limit = true,
                                      .allocation_free = true};
 
 constexpr Index kNone = -1;
+
+/// The settings of every method of principal pivots.
+struct PrincipalSettings {
+  std::int64_t max_pivots = 0;
+  double data_error = 1e-14;
+
+  void visit(auto&& field) {
+    field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
+    field("data_error", data_error, RealRange{.min = 0, .max = 1},
+          "relative error of M and q: values that errors of this size could make 0 count as 0");
+  }
+};
+
+/// A method that exchanges z_i and w_i in a tableau until no basic variable is negative.
+class PrincipalSolver : public Solver {
+ protected:
+  enum class End { kNonnegative, kUnblocked, kNoPivot, kSingularBasis, kPivotLimit, kTimeLimit };
+
+  /// @param no_pivot  static text: what the answer says at End::kNoPivot
+  PrincipalSolver(const PrincipalSettings& settings, const char* no_pivot)
+      : data_error_(settings.data_error), settings_(settings), no_pivot_(no_pivot) {}
+
+  /// Ends with kUnblocked only after it wrote farkas_. Must not allocate.
+  virtual End run(double deadline_s, Counters& counters) = 0;
+
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) final;
+
+  bool rebuild_tableau(Counters& counters) {
+    ++counters.factorizations;
+    return tableau_.rebuild();
+  }
+
+  /// Whether the diagonal entry of column k stays positive under relative errors of the data of data_error_: in the
+  /// tableau, and computed anew from the data (PrincipalTableau::gains). Writes the error bounds of the column. O(n^2).
+  bool has_pivot(Index k, Vector& column_errors) {
+    tableau_.column_errors(k, data_error_, column_errors);
+    return tableau_.matrix()(k, k) > column_errors(k) && tableau_.gains(k, data_error_);
+  }
+
+  const double data_error_;
+  PrincipalTableau tableau_;
+  std::int64_t pivot_limit_ = 0;
+  Vector bounds_;  // n: errors of the constants; murty also writes those of a column there
+  Vector farkas_;  // n
+
+ private:
+  PrincipalSettings settings_;
+  const char* no_pivot_;
+  AnswerTest test_;
+};
+
+void PrincipalSolver::on_load(const Problem& problem) {
+  tableau_.load(make_lcp(problem));
+  test_.load(problem);
+  const Index n = tableau_.size();
+  bounds_.resize(n);
+  farkas_.resize(n);
+  pivot_limit_ = settings_.max_pivots > 0 ? settings_.max_pivots : std::max<std::int64_t>(1000, n * n);
+}
+
+void PrincipalSolver::on_solve(const SolveRequest& request, Answer& answer) {
+  answer.counters = {.iterations = -1, .pivots = 0, .factorizations = 0};
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  const End end = run(deadline_s, answer.counters);
+  if (end != End::kUnblocked) tableau_.solution(answer.z);
+  switch (end) {
+    case End::kNonnegative:
+      answer.claim = Claim::kSolved;
+      test_.settle(answer, deadline_s);
+      return;
+    case End::kUnblocked: test_.settle_ray(answer, deadline_s, &farkas_); return;
+    case End::kNoPivot: answer.detail = no_pivot_; return;
+    case End::kSingularBasis: answer.detail = "the basis is singular to working precision"; return;
+    case End::kPivotLimit: answer.claim = Claim::kIterationLimit; return;
+    case End::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+  }
+}
+
+/// Murty's least-index Bard-type scheme: exchange z_i and w_i of the smallest i whose basic variable is negative.
+///
+/// Finite for P-matrices, whatever q, in at most 2^n - 1 pivots. Elsewhere it may end at a pivot that is not positive,
+/// or cycle until the limit; it never proves that there is no solution. "Negative" means beyond what errors of the data
+/// explain. O(n^2) per pivot. [Murty 1974; Cottle, Pang, Stone 1992, section 4.2]
+class Murty final : public PrincipalSolver {
+ public:
+  explicit Murty(const PrincipalSettings& settings)
+      : PrincipalSolver(settings, "no positive pivot: M is no P-matrix to working precision") {}
+  const Capabilities& capabilities() const override { return kMurtyCapabilities; }
+
+ private:
+  End run(double deadline_s, Counters& counters) override;
+  Index first_negative();
+};
+
+/// The smallest i whose basic variable is negative or NaN; -1: none. Writes the error bounds of the constants. O(n^2)
+Index Murty::first_negative() {
+  const Index n = tableau_.size();
+  tableau_.constant_errors(data_error_, bounds_);
+  for (Index i = 0; i < n; ++i) {
+    if (!(tableau_.constants()(i) >= -bounds_(i))) return i;
+  }
+  return -1;
+}
+
+Murty::End Murty::run(double deadline_s, Counters& counters) {
+  const Index n = tableau_.size();
+  tableau_.reset();
+  for (;;) {
+    if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
+    const Index i = first_negative();
+    const bool can_go_on = i >= 0 && has_pivot(i, bounds_);
+    // An end other than a limit counts only in a tableau without rounding errors of earlier pivots. Rebuilding it after
+    // more than n pivots costs O(n^2) for each of them.
+    if (tableau_.pivots_since_rebuild() > (can_go_on ? n : 0)) {
+      if (!rebuild_tableau(counters)) return End::kSingularBasis;
+      continue;
+    }
+    if (i < 0) return End::kNonnegative;
+    if (!can_go_on) return End::kNoPivot;
+    if (counters.pivots >= pivot_limit_) return End::kPivotLimit;
+    tableau_.pivot(i);
+    ++counters.pivots;
+  }
+}
 
 /// The symmetric principal pivoting method of Dantzig and Cottle.
 ///
@@ -246,6 +378,15 @@ bool PrincipalPivoting::find_farkas_vector(Index r) {
 }
 
 }  // namespace
+
+SolverDefinition lcpbench_solver_murty() {
+  return define_solver<Murty, PrincipalSettings>(
+      {.name = "murty",
+       .summary = "least-index principal pivoting (Bard type), for P-matrices",
+       .source = "Murty 1974: Note on a Bard-type scheme for solving the complementarity problem; Cottle, Pang, Stone "
+                 "1992, section 4.2",
+       .capabilities = kMurtyCapabilities});
+}
 
 SolverDefinition lcpbench_solver_principal_pivoting() {
   return define_solver<PrincipalPivoting, PrincipalSettings>(
