@@ -68,9 +68,9 @@ struct LemkePivot {
 /// Covering vector 1 where q_i < 0 and 0 elsewhere, unless cover=all; ratio test with a zero tolerance, ties to the
 /// largest pivot, the artificial variable preferred. Processes any copositive-plus M in exact arithmetic without
 /// degeneracy [Cottle, Pang, Stone 1992, 4.4]; ties are not broken lexicographically, so that degenerate problems may
-/// cycle up to the limit on pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of nonbasic w, and the
-/// first time that a z enters O(ngc^2 + ngc n) for its column of M. load(): O(ngc^3) for contacts, O(n^2) for a bare
-/// LCP. See docs/reference/solvers/lemke.md.
+/// cycle up to the limit on pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number
+/// of nonbasic w, and the first time that a z enters O(ngc^2 + ngc n) for its column of M. load(): O(ngc^3) for
+/// contacts, O(n^2) for a bare LCP. See docs/reference/solvers/lemke.md.
 ///
 /// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable,
 /// with test=residual: AnswerTest found a proof; with test=none: no row blocks the entering variable (a ray: proof of
