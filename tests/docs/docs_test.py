@@ -25,7 +25,7 @@ SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "pyt
 # Solvers with settings that the program refuses, by their beginning, and why they stand somewhere all the same.
 REFUSED = {
     "lemke{rules=2012}": "results of an earlier program", "lemke{cap=lemke,rules=2012}": "the same",
-    "primal_dual{rules=2012}": "the same", "psor{acceleration=": "the same",
+    "primal_dual{rules=2012}": "the same",
     "auto{error=$t}": "a loop of the shell", "auto{error=rho}": "rho is a number", "regularized{solver=...}": "a form",
     "auto{start=last}": "how --start last names its second runs",
 }
