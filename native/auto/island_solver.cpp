@@ -38,15 +38,6 @@ constexpr double kTimeForTest = 0.05;
 
 std::size_t index(AutoMethod method) { return static_cast<std::size_t>(method); }
 
-/// Rows of normals and tangents (two for each contact with friction) over coordinates.
-double redundancy(const ContactProblem& contact, Index idle) {
-  Index rows = contact.nc();
-  for (Index c = 0; c < contact.nc(); ++c) {
-    if (contact.mu(c) > 0 && contact.edges[static_cast<std::size_t>(c)] > 0) rows += 2;
-  }
-  return static_cast<double>(rows) / static_cast<double>(std::max<Index>(contact.ngc() - idle, 1));
-}
-
 /// The fastest slip at velocity v, over the largest mu times the fastest approach: friction may hold every contact
 /// where that is at most 1. Offsets count as approach. O(nonzeros)
 double slip_ratio(const ContactProblem& contact, const Vector& v) {
@@ -72,7 +63,6 @@ void IslandSolver::load(const Problem& problem, const Vector& v, const Load& how
   v_ = v;
   methods_ = how.in_turn ? &shared_ : &own_;
   has_sticking_ = has_test_ = has_rest_ = false;
-  has_winner_ = has_winner_ && how.after_guess;
   own_.begin(problem, v_, is_whole_);
   if (Rest::takes(*problem.contact())) rest_.reserve(problem.contact()->ngc());
   best_.resize(problem.size());
@@ -91,7 +81,6 @@ void IslandSolver::choose() {
   order_.choose(*problem_, idle_, aim_of(error_));
   // Only contact_lemke tells what has a solution from what has none.
   if (contact.frictional() && may_be_singular(contact)) order_.put_first(AutoMethod::kContactLemke);
-  if (has_winner_) order_.put_first(winner_);
   rests_ = when_to_rest();
   if (rests_ == Rests::kByInteriorPoint) order_.put_rest_first();
 }
@@ -159,10 +148,6 @@ void IslandSolver::solve(const Vector* start, const AutoLimits& limits, Answer& 
   const bool rests_first = rests_ == Rests::kByActiveSets && rests(start != nullptr, limits, answer, report);
   if (!rests_first && !take_turns(start, limits, answer, report)) return;
   if (answer.claim != Claim::kSolved) return;
-  if (!rests_first) {
-    winner_ = answered_by_;
-    has_winner_ = true;
-  }
   const bool moves = !rests_first && slips(answer);
   if (moves && !may_rest_instead(answer)) return;
   const bool is_sought = moves && !find_rest(limits, answer, report);  // it may slip by a method's error alone

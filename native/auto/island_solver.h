@@ -97,8 +97,6 @@ class IslandSolver {
   Vector v_;
   Order order_;
   Rests rests_ = Rests::kAfterwards;
-  AutoMethod winner_ = AutoMethod::kContactLemke;  ///< of the last step
-  bool has_winner_ = false;
   bool knows_no_rest_ = false;  ///< in this solve the convex problem was solved, and contacts that press slip in it
   Rest rest_;
   bool has_rest_ = false;  ///< rest_ holds the problem

@@ -10,7 +10,7 @@ namespace {
 
 /// First turn of a method: work = factor n^(quarters / 4), n the geometric mean of the numbers of contacts and of
 /// coordinates that contacts move. Measured on 978 islands with friction and 228 without: that much is enough on nine of
-/// ten that the method solves, but for friction_ipm (five of ten) and psor (three with friction, five without). What
+/// ten that the method solves, but for friction_ipm and psor without friction (five of ten) and psor with it (four). What
 /// these do not solve soon takes them long. results/auto/lines.py counts.
 struct Line {
   AutoMethod method;
@@ -23,7 +23,7 @@ constexpr Line kContactLemke{AutoMethod::kContactLemke, 0x1p12, 9};
 constexpr Line kLateLemke{AutoMethod::kContactLemke, 0x1p9, 9};  // enough on six of ten
 constexpr Line kContactIpm{AutoMethod::kContactIpm, 0x1.6p14, 7};
 constexpr Line kFrictionIpm{AutoMethod::kFrictionIpm, 0x1p13, 7, 2};
-constexpr Line kPsor{AutoMethod::kPsor, 0x1p9, 7, 4};
+constexpr Line kPsor{AutoMethod::kPsor, 0x1p10, 7, 4};
 
 constexpr Line kActiveSet{AutoMethod::kActiveSet, 0x1p7, 9};
 constexpr Line kVelocityIpm{AutoMethod::kVelocityIpm, 0x1p14, 5, 3};
@@ -32,20 +32,24 @@ constexpr Line kFrictionlessLemke{AutoMethod::kContactLemke, 0x1.4p8, 9};
 
 using Lines = std::array<Line, Order::kMost>;
 
-/// Pivoting is the fastest while either number is small, and sweeps soon come to a loose error.
+/// Pivoting is the fastest while either number is small. Sweeps soon come to a loose error, and to any where contacts do
+/// not oppose each other.
 constexpr Lines kSmall{kContactLemke, kContactIpm, kFrictionIpm, kPsor},
     kSmallAndLoose{kContactLemke, kPsor, kContactIpm, kFrictionIpm},
     kMediumAndLoose{kPsor, kContactLemke, kContactIpm, kFrictionIpm},
     kLarge{kContactIpm, kLateLemke, kFrictionIpm, kPsor},
-    kLargeAndLoose{kPsor, kContactIpm, kLateLemke, kFrictionIpm};
+    kSweepsFirst{kPsor, kContactIpm, kLateLemke, kFrictionIpm};
 constexpr Lines kFrictionless{kActiveSet, kVelocityIpm, kFrictionlessPsor, kFrictionlessLemke},
     kLargeFrictionless{kVelocityIpm, kActiveSet, kFrictionlessPsor, kFrictionlessLemke},
     kLargeFrictionlessAndLoose{kFrictionlessPsor, kVelocityIpm, kActiveSet, kFrictionlessLemke};
 
 constexpr double kLooseError = 1e-3;
+/// See redundancy(): from this on contacts oppose each other, and sweeps take long.
+constexpr double kOpposed = 1.25;
 /// Of the smaller one of both numbers: up to so many contact_lemke is first. A robot has a dense block of inertia, whose
 /// cube each step of an interior point takes.
-constexpr double kMostForPivots = 60, kMostForPivotsIfLoose = 30, kMostForPivotsOfARobot = 200;
+constexpr double kMostForPivots = 60, kMostForPivotsIfLoose = 30, kMostForPivotsIfUnopposed = 20,
+                 kMostForPivotsOfARobot = 200;
 /// Of n.
 constexpr double kMostForActiveSet = 150;
 
@@ -55,14 +59,16 @@ Index largest_block(const Inertia& inertia) {
   return largest;
 }
 
-const Lines& lines_of(const ContactProblem& contact, bool is_robot, double fewer, double n, double error) {
+const Lines& lines_of(const ContactProblem& contact, bool is_robot, bool is_opposed, double fewer, double n,
+                      double error) {
   const bool is_loose = error >= kLooseError;
   if (!contact.frictional()) {
     if (n <= kMostForActiveSet) return kFrictionless;
     return is_loose ? kLargeFrictionlessAndLoose : kLargeFrictionless;
   }
   if (is_robot && fewer <= kMostForPivotsOfARobot) return kSmall;
-  if (fewer > kMostForPivots) return is_loose ? kLargeAndLoose : kLarge;
+  if (fewer > kMostForPivots) return is_loose ? kSweepsFirst : kLarge;
+  if (fewer > kMostForPivotsIfUnopposed && !is_opposed) return kSweepsFirst;
   if (!is_loose) return kSmall;
   return fewer > kMostForPivotsIfLoose ? kMediumAndLoose : kSmallAndLoose;
 }
@@ -77,6 +83,14 @@ double power_in_quarters(double n, int quarters) {
 
 }  // namespace
 
+double redundancy(const ContactProblem& contact, Index idle) {
+  Index rows = contact.nc();
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (contact.mu(c) > 0 && contact.edges[static_cast<std::size_t>(c)] > 0) rows += 2;
+  }
+  return static_cast<double>(rows) / static_cast<double>(std::max<Index>(contact.ngc() - idle, 1));
+}
+
 void Order::choose(const Problem& problem, Index idle, double error) {
   const ContactProblem& contact = *problem.contact();
   const auto contacts = static_cast<double>(std::max<Index>(contact.nc(), 1));
@@ -85,11 +99,11 @@ void Order::choose(const Problem& problem, Index idle, double error) {
   const auto coordinates = static_cast<double>(std::max<Index>(contact.ngc() - idle + yielding, 1));
   const double n = std::sqrt(contacts * coordinates);
   const Index block = largest_block(contact.inertia);
-  const bool is_robot = 2 * block > contact.ngc();
+  const bool is_robot = 2 * block > contact.ngc(), is_opposed = redundancy(contact, idle) >= kOpposed;
   unknowns_ = static_cast<double>(problem.size());
   block_ = static_cast<double>(block);
   count_ = 0;
-  for (const Line& line : lines_of(contact, is_robot, std::min(contacts, coordinates), n, error)) {
+  for (const Line& line : lines_of(contact, is_robot, is_opposed, std::min(contacts, coordinates), n, error)) {
     if (!Methods::takes(line.method, problem)) continue;
     turns_[count_++] = {line.method, std::max(line.factor * power_in_quarters(n, line.quarters), kLeastWork),
                         line.price};

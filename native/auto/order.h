@@ -16,6 +16,10 @@ struct Turn {
   double price;  ///< of a unit of its work, in multiplications of contact_lemke
 };
 
+/// Rows of normals and tangents (two for each contact with friction) over the coordinates that contacts move: above 1
+/// contacts oppose each other. O(contacts)
+double redundancy(const ContactProblem& contact, Index idle);
+
 /// In which order methods take turns at an island: the likeliest first, by the island's size, by friction, and by the
 /// error that is asked for.
 class Order {
