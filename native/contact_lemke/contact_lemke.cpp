@@ -124,10 +124,6 @@ ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level)
     : settings_(settings), double_(make_contact_lemke_engine(level)), later_(std::move(later)) {}
 
-double ContactLemke::test_work(const Problem& problem, Index idle) {
-  return work_of_test(problem.contact()->ngc() - idle, rows_of(*problem.contact()));
-}
-
 double ContactLemke::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
   Index block = 0;

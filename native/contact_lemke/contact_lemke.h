@@ -100,8 +100,6 @@ class ContactLemke final : public BudgetedSolver {
 
   /// What load() takes, in the units of work(). @param idle coordinates that no contact moves, which are left out
   static double load_work(const Problem& problem, Index idle);
-  /// What completing and testing an answer takes, alike.
-  static double test_work(const Problem& problem, Index idle);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
   /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
