@@ -181,7 +181,8 @@ std::optional<BlockInertia> in_blocks(const Inertia& inertia) {
 
 /// InteriorPoint over CHOLMOD.
 ///
-/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest.
+/// kSolved: the velocity residual, computed from z alone, is at most 3e-5 or the tolerance, and the answer passes
+/// AnswerTest.
 class VelocityIpmCholmod final : public Solver {
  public:
   explicit VelocityIpmCholmod(const VelocityIpmCholmodSettings& settings)

@@ -103,6 +103,9 @@ class BestImpulseSolver : public BudgetedImpulseSolver<Base> {
   }
 
  protected:
+  /// The residual up to which the impulses are claimed, unless the tolerance is larger or an error is stated.
+  static constexpr double kAcceptedResidual = 1e-4;
+
   /// Of one solve.
   struct Best {
     double tolerance = 0;        ///< of the residual, relative to the scale: where the rounds end

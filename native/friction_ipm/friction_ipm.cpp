@@ -17,14 +17,11 @@ namespace lcpbench {
 namespace {
 
 struct FrictionIpmSettings {
-  Algebra algebra = Algebra::kAuto;
   double tolerance = 1e-9;
-  double accept_residual = 1e-4;
   std::int64_t max_iterations = 10000;
 
   void visit(auto&& field) {
-    visit_algebra(field, algebra);
-    visit_residuals(field, tolerance, accept_residual);
+    visit_tolerance(field, tolerance);
     field("max_iterations", max_iterations, IntegerRange{.min = 0},
           "predictor-corrector steps, over all convex problems");
   }
@@ -158,7 +155,7 @@ CoupledCompliance coupled_compliance(const ContactProblem& contact) {
 /// is not proven; without friction the first one is the answer. [Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011,
 /// ZAMM 91; Anitescu 2006]
 ///
-/// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes;
+/// kSolved: the velocity residual, recomputed from z in double, is at most 1e-4 or the tolerance, and AnswerTest passes;
 /// kNumericalFailure: the rounds did not get there. `detail` has their number. Opposite friction impulses of a contact
 /// are returned as their difference.
 class FrictionIpm final : public BestImpulseSolver<FrictionIpmSolver> {
@@ -210,12 +207,12 @@ void FrictionIpm::on_load(const Problem& problem) {
   result_.reserve(problem);
   cone_ = cone_columns(contact);
   const ContactProblem convex = convex_problem(contact, cone_);
-  const bool sparse = wants_sparse(settings_.algebra, convex);
+  const bool sparse = suits_sparse_algebra(convex);
   CoupledCompliance coupled = coupled_compliance(contact);
   std::unique_ptr<WhitenedNormals> normals =
       sparse ? sparse_whitened_normals(convex, multifrontal_cholesky(), coupled) : dense_whitened_normals(convex);
   method_.load(std::move(normals), convex, std::move(coupled));
-  refusal_ = method_.loaded() ? "" : "algebra=sparse needs an inertia of positive definite blocks";
+  refusal_ = method_.loaded() ? "" : "needs an inertia of positive definite blocks";
   if (!refusal_.empty()) return;
   if (has_friction()) method_.keep_points();
   state_.load(problem);
@@ -243,7 +240,7 @@ double FrictionIpm::take_impulses() {
   return state_.residual() / state_.scale;
 }
 
-/// Whether the rounding of the impulses, which may grow without bound, is within accept_residual.
+/// Whether the rounding of the impulses, which may grow without bound, is within what is accepted.
 bool FrictionIpm::is_certain() const {
   const double largest = state_.columns.diagonal.cwiseProduct(state_.impulse.cwiseAbs()).maxCoeff();
   return std::numeric_limits<double>::epsilon() * largest <= best_.accept_residual * state_.scale;
@@ -274,7 +271,7 @@ void FrictionIpm::begin(const Vector* /*start*/, double error) {
   begin_result({.iterations = 0, .pivots = 0, .factorizations = 0});
   now_ = {.work_before = method_.work()};
   best_ = {.tolerance = error > 0 ? error : settings_.tolerance,
-           .accept_residual = error > 0 ? error : settings_.accept_residual};
+           .accept_residual = error > 0 ? error : std::max(settings_.tolerance, kAcceptedResidual)};
   if (!refusal_.empty()) return;
   test_.allow(error);
   best_impulse_.setZero();

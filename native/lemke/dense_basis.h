@@ -41,24 +41,19 @@ class DenseBasis {
   void start(Count row) {
     const Count n = problem_.n();
     B_.setIdentity();
-    const double value = problem_.needed(row);
-    for (Count i = 0; i < n; ++i) {
-      x_[i] = problem_.q[i] + problem_.cover[i] * value;
-      put(i, i);
-    }
+    for (Count i = 0; i < n; ++i) put(i, i);
     for (Count i = n; i < slots_.count; ++i) x_[i] = 0;  // the last path may have left NaN in the padding
-    place(row, problem_.artificial(), value);
+    place(row, problem_.artificial());
   }
 
-  /// Solves for d of the entering variable, with kResolve also for x. Always true: a singular B leaves NaN or infinity,
-  /// which the ratio test finds.
-  template <bool kResolve>
+  /// Solves for d of the entering variable, and for x. Always true: a singular B leaves NaN or infinity, which the ratio
+  /// test finds.
   bool solve(Count entering) {
     lu_.compute(B_);
     write_column(entering, rhs_.col(0));
     solution_.col(0) = lu_.solve(rhs_.col(0));
     store(d_, 0);
-    if constexpr (kResolve) solve_for_values();
+    solve_for_values();
     return true;
   }
 
@@ -69,7 +64,7 @@ class DenseBasis {
     return true;
   }
 
-  void exchange(Count entering, Count leaving, double value) { place(slot_of(leaving), entering, value); }
+  void exchange(Count entering, Count leaving) { place(slot_of(leaving), entering); }
 
  private:
   using Dense = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
@@ -102,10 +97,9 @@ class DenseBasis {
     problem_.slot_of[variable] = slot;
   }
 
-  void place(Count slot, Count variable, double value) {
+  void place(Count slot, Count variable) {
     write_column(variable, B_.col(slot));
     put(slot, variable);
-    x_[slot] = value;
   }
 
   LoadedProblem problem_;

@@ -52,30 +52,25 @@ class KernelBasis {
   void start(Count row) {
     shrink(0);
     const Count n = problem_.n();
-    const double value = problem_.needed(row);
     for (Count i = 0; i < column_slots_; ++i) x_[i] = 0;  // an overflow leaves NaN in the padding
     for (Count i = 0; i < n; ++i) {
       const Count slot = row_slot(i);
-      x_[slot] = problem_.q[i] + problem_.cover[i] * value;
       id_[slot] = static_cast<double>(i);
       problem_.slot_of[i] = slot;
     }
     stride_ = P::padded(kFirstStride < n ? kFirstStride : n);
-    add_column(problem_.artificial(), value);
+    add_column(problem_.artificial());
     add_row(row);
   }
 
-  /// d for the entering variable; with kResolve also x anew. False when the kernel is singular.
-  template <bool kResolve>
-  bool solve(Count entering) {
-    return solve_sides<true, kResolve>(entering);
-  }
+  /// d for the entering variable, and x anew. False when the kernel is singular.
+  bool solve(Count entering) { return solve_sides<true>(entering); }
 
   /// x of the present basis.
-  bool resolve() { return solve_sides<false, true>(problem_.artificial()); }
+  bool resolve() { return solve_sides<false>(problem_.artificial()); }
 
-  /// @pre solve(entering) was called last. @param value of the entering variable, where values are not resolved
-  void exchange(Count entering, Count leaving, double value) {
+  /// @pre solve(entering) was called last
+  void exchange(Count entering, Count leaving) {
     const Count n = problem_.n();
     if (entering < n) {
       const Count row = kernel_row(entering);
@@ -84,12 +79,11 @@ class KernelBasis {
       } else {
         remove(row, slot_of(leaving) - column_slots_);
       }
-      x_[row_slot(entering)] = value;
     } else if (leaving < n) {
-      add_column(entering, value);
+      add_column(entering);
       add_row(leaving);
     } else {
-      replace_column(slot_of(leaving) - column_slots_, entering, value);
+      replace_column(slot_of(leaving) - column_slots_, entering);
     }
   }
 
@@ -112,18 +106,11 @@ class KernelBasis {
     return problem_.M.entry(row, variable - problem_.n());
   }
 
-  template <bool kDirection, bool kValues>
+  template <bool kDirection>
   bool solve_sides(Count entering) {
     write_system<kDirection>(entering);
-    double* const direction = d_.data() + column_slots_;
-    if constexpr (kValues) {
-      if (!system_.solve(direction, x_.data() + column_slots_)) return false;
-      extend(entering);
-    } else {
-      // Without new values the second right-hand side is idle; its solution must not touch x.
-      if (!system_.solve(direction, ratio_.data() + column_slots_)) return false;
-      extend_direction(entering);
-    }
+    if (!system_.solve(d_.data() + column_slots_, x_.data() + column_slots_)) return false;
+    extend(entering);
     return true;
   }
 
@@ -156,15 +143,7 @@ class KernelBasis {
     clear_nonbasic(sums);
   }
 
-  void extend_direction(Count entering) {
-    for (Count i = 0; i < column_slots_; i += P::kWidth) P::store(d_.data() + i, P::Pack{});
-    double* const sums[1] = {d_.data()};
-    add_columns(entering, sums);
-    clear_nonbasic(sums);
-  }
-
-  template <std::size_t kSums>
-  void add_columns(Count entering, double* const (&sums)[kSums]) {
+  void add_columns(Count entering, double* const (&sums)[2]) {
     const Count n = problem_.n();
     Count terms = 0;
     for (Count c = 0; c < order_; ++c) {
@@ -177,8 +156,7 @@ class KernelBasis {
   }
 
   /// Adds the sparse part of one column at once and appends its dense part to the terms.
-  template <std::size_t kSums>
-  Count add_column_to(double* const (&sums)[kSums], Count variable, double d, double x, Count terms) {
+  Count add_column_to(double* const (&sums)[2], Count variable, double d, double x, Count terms) {
     const double factor[2] = {d, x};
     if (variable == problem_.artificial()) {
       // The covering vector is zero on cone rows, whose q is zero.
@@ -188,7 +166,7 @@ class KernelBasis {
     const MatrixColumns& M = problem_.M;
     const Count j = variable - problem_.n();
     if (j >= M.dense()) {
-      for (std::size_t s = 0; s < kSums; ++s) {
+      for (std::size_t s = 0; s < 2; ++s) {
         for (Count t = M.friction_first(j - M.dense()); t < M.friction_last(j - M.dense()); ++t) {
           sums[s][t] += factor[s];
         }
@@ -196,23 +174,22 @@ class KernelBasis {
       return terms;
     }
     if (const Count cone = M.cone(j); cone >= 0) {
-      for (std::size_t s = 0; s < kSums; ++s) sums[s][cone_slots_ + cone] += M.cone_coefficient(j) * factor[s];
+      for (std::size_t s = 0; s < 2; ++s) sums[s][cone_slots_ + cone] += M.cone_coefficient(j) * factor[s];
     }
     terms_[terms] = {problem_.M.column(j), {d, x}};
     return terms + 1;
   }
 
-  template <std::size_t kSums>
-  void clear_nonbasic(double* const (&sums)[kSums]) {
+  void clear_nonbasic(double* const (&sums)[2]) {
     for (Count r = 0; r < order_; ++r) {
-      for (std::size_t s = 0; s < kSums; ++s) sums[s][row_slot(rows_[r])] = 0;
+      for (std::size_t s = 0; s < 2; ++s) sums[s][row_slot(rows_[r])] = 0;
     }
   }
 
-  void add_column(Count variable, double value) {
+  void add_column(Count variable) {
     if (order_ + 1 > stride_) widen();
     for (Count r = 0; r < order_; ++r) A_[r * stride_ + order_] = entering_column_[r];
-    put_column_variable(order_, variable, value);
+    put_column_variable(order_, variable);
   }
 
   /// Completes add_column: the order grows here.
@@ -230,9 +207,9 @@ class KernelBasis {
     clear_slot(row_slot(row));
   }
 
-  void replace_column(Count position, Count variable, double value) {
+  void replace_column(Count position, Count variable) {
     for (Count r = 0; r < order_; ++r) A_[r * stride_ + position] = entering_column_[r];
-    put_column_variable(position, variable, value);
+    put_column_variable(position, variable);
   }
 
   /// Removes a row and a column; the last ones take their places.
@@ -241,8 +218,7 @@ class KernelBasis {
     rows_[row] = rows_[last];
     for (Count c = 0; c < order_; ++c) A_[row * stride_ + c] = A_[last * stride_ + c];
     for (Count r = 0; r < last; ++r) A_[r * stride_ + column] = A_[r * stride_ + last];
-    const double value = x_[column_slots_ + last];
-    if (column != last) put_column_variable(column, columns_[last], value);
+    if (column != last) put_column_variable(column, columns_[last]);
     shrink(last);
     set_column_slots();
   }
@@ -251,12 +227,12 @@ class KernelBasis {
     for (Count c = 0; c < order_; ++c) A_[position * stride_ + c] = entry(rows_[position], columns_[c]);
   }
 
-  void put_column_variable(Count position, Count variable, double value) {
+  void put_column_variable(Count position, Count variable) {
     columns_[position] = variable;
     const Count slot = column_slots_ + position;
     problem_.slot_of[variable] = slot;
     id_[slot] = static_cast<double>(variable);
-    x_[slot] = value;
+    x_[slot] = 0;  // an overflow leaves NaN
   }
 
   /// Leaves at most `order` columns. Clears the padding of the last pack too: an overflow leaves NaN in it, which a

@@ -98,7 +98,6 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   lemke::Rules rules;
   rules.pivot_tolerance = settings_.pivot_tolerance;
   rules.zero_tolerance = settings_.zero_tolerance;
-  rules.resolve = settings_.update == LemkeUpdate::kResolve;
   rules.max_pivots = lemke_pivot_limit(settings_, answer.z.size());
   rules.clock_s = wall_clock_s;
   rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;

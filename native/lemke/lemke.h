@@ -14,7 +14,6 @@
 namespace lcpbench {
 
 enum class LemkeCover { kNegative, kAll };
-enum class LemkeUpdate { kResolve, kIncremental };
 enum class LemkeCap { kPaper, kLemke, k3n };
 /// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
 enum class LemkeAnswerTest { kAuto, kNone, kResidual };
@@ -24,7 +23,6 @@ struct LemkeSettings {
   LemkeCover cover = LemkeCover::kNegative;
   double pivot_tolerance = 1e-10;
   double zero_tolerance = 1e-6;
-  LemkeUpdate update = LemkeUpdate::kResolve;
   LemkeCap cap = LemkeCap::kPaper;
   std::int64_t max_pivots = 0;
   LemkeAnswerTest test = LemkeAnswerTest::kAuto;
@@ -38,9 +36,6 @@ struct LemkeSettings {
     field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0}, "a row may leave only if its pivot is larger");
     field("zero_tolerance", zero_tolerance, RealRange{.min = 0},
           "slack of the ratio test, and of q >= 0 in the test for z = 0");
-    field("update", update,
-          Choices<LemkeUpdate>{{{"resolve", LemkeUpdate::kResolve}, {"incremental", LemkeUpdate::kIncremental}}},
-          "basic values solved from the basis at each pivot, or updated by x - ratio d");
     field("cap", cap,
           Choices<LemkeCap>{{{"paper", LemkeCap::kPaper}, {"lemke", LemkeCap::kLemke}, {"3n", LemkeCap::k3n}}},
           "limit on pivots: max(1000, n^2) as in the paper, min(1000, 50 n) as in LEMKE, or max(200, 3 n)");

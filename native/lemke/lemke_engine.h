@@ -30,7 +30,6 @@ struct Input {
 struct Rules {
   double pivot_tolerance = 0;
   double zero_tolerance = 0;
-  bool resolve = true;  ///< recompute the basic values from the basis at each pivot instead of updating them
   std::ptrdiff_t max_pivots = 0;
   double deadline_s = 0;          ///< on the clock below; infinity: none
   double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 pivots

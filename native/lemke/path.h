@@ -10,24 +10,6 @@ constexpr Count kPivotsPerClockReading = 16;
 
 inline Count complement(Count variable, Count n) { return variable < n ? variable + n : variable - n; }
 
-/// d for the entering variable, and x as well where it is resolved. False when the basis is singular.
-template <bool kResolve, class Basis>
-bool find_direction(Basis& basis, Count entering, Outcome& outcome) {
-  ++outcome.factorizations;
-  return basis.template solve<kResolve>(entering);
-}
-
-/// @pre find_direction(entering) was called last.
-template <bool kResolve, class Basis>
-void pivot(Basis& basis, Count entering, Count leaving, Outcome& outcome) {
-  if constexpr (kResolve) {
-    basis.exchange(entering, leaving, 0);
-  } else {
-    basis.exchange(entering, leaving, advance(basis.slots(), basis.slot_of(leaving)));
-  }
-  ++outcome.pivots;
-}
-
 /// Writes z; false when a value is not finite.
 template <class Basis>
 bool write_solution(const Basis& basis, double* z) {
@@ -44,12 +26,10 @@ bool write_solution(const Basis& basis, double* z) {
 }
 
 /// How a path ends on which the artificial variable has left; writes the basic entries of z.
-template <bool kResolve, class Basis>
+template <class Basis>
 Ending finish(Basis& basis, Outcome& outcome, double* z) {
-  if constexpr (kResolve) {
-    ++outcome.factorizations;
-    if (!basis.resolve()) return Ending::kBreakdown;
-  }
+  ++outcome.factorizations;
+  if (!basis.resolve()) return Ending::kBreakdown;
   return write_solution(basis, z) ? Ending::kSolved : Ending::kBreakdown;
 }
 
@@ -58,7 +38,7 @@ inline bool out_of_time(const Rules& rules) {
 }
 
 /// Lemke's path from the first exchange to its end.
-template <bool kResolve, class Basis>
+template <class Basis>
 Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
   const Count n = basis.problem().n();
   const Count artificial = basis.problem().artificial();
@@ -71,15 +51,17 @@ Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
       return outcome.ending = Ending::kTimeLimit, outcome;
     }
     const Count entering = complement(leaving, n);
-    if (!find_direction<kResolve>(basis, entering, outcome)) return outcome;
+    ++outcome.factorizations;
+    if (!basis.solve(entering)) return outcome;
     const Blocking blocking = ratio_test(basis.slots(), rules, artificial, basis.slot_of(artificial));
     if (blocking.kind == Block::kRay) return outcome.ending = Ending::kRay, outcome;
     if (blocking.kind == Block::kBreakdown) return outcome;
     leaving = blocking.leaving;
-    pivot<kResolve>(basis, entering, leaving, outcome);
+    basis.exchange(entering, leaving);
+    ++outcome.pivots;
     if (rules.on_pivot != nullptr) rules.on_pivot(rules.context, entering, leaving);
   }
-  outcome.ending = finish<kResolve>(basis, outcome, z);
+  outcome.ending = finish(basis, outcome, z);
   return outcome;
 }
 
@@ -91,7 +73,7 @@ class BasisEngine final : public Engine {
 
   Outcome solve(const Rules& rules, double* z) override {
     if (basis_.problem().zero_solves(rules.zero_tolerance)) return {.ending = Ending::kSolved};
-    return rules.resolve ? follow_path<true>(basis_, rules, z) : follow_path<false>(basis_, rules, z);
+    return follow_path(basis_, rules, z);
   }
 
  private:

@@ -72,14 +72,4 @@ inline Blocking ratio_test(const Slots& slots, const Rules& rules, Count artific
   return {Block::kFound, leaving_of_tied(slots, theta, artificial_id, artificial_slot)};
 }
 
-/// x -= (x_leaving / d_leaving) d; returns that ratio.
-inline double advance(const Slots& slots, Count leaving_slot) {
-  using P = Packed<double>;
-  const double ratio = slots.x[leaving_slot] / slots.d[leaving_slot];
-  for (Count i = 0; i < slots.count; i += P::kWidth) {
-    P::store(slots.x + i, P::load(slots.x + i) - ratio * P::load(slots.d + i));
-  }
-  return ratio;
-}
-
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -15,45 +15,34 @@ constexpr Capabilities kCapabilities{
     .obeys_time_limit = true,
     .allocation_free = true};
 
-enum class Objective { kWork, kComplementarity };
 enum class FinalTest { kNone, kResidual };
 
 struct PrimalDualSettings {
   double gap_tolerance = 1e-14;
   double residual_tolerance = 1e-8;
-  double barrier_factor = 10.0;
-  double decrease = 0.01;
-  double backtracking = 0.5;
   std::int64_t max_iterations = 1000;
-  double diagonal_shift = 0.0;
-  double accept_residual = 1e-4;
-  Objective objective = Objective::kWork;
   FinalTest test = FinalTest::kResidual;
 
   void visit(auto&& field) {
     field("eps", gap_tolerance, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
     field("eps_feas", residual_tolerance, RealRange{.min = 0},
           "... and the norms of the primal and the dual residual are at most this (absolute)");
-    field("mu", barrier_factor, RealRange{.min = 1.001, .max = 1e6},
-          "the barrier aims at a gap smaller by this factor, each step");
-    field("alpha", decrease, RealRange{.min = 0, .max = 0.5}, "share of the predicted residual decrease asked for");
-    field("beta", backtracking, RealRange{.min = 0.01, .max = 0.99}, "factor on the step in backtracking");
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "Newton steps");
-    field("diagonal_shift", diagonal_shift, RealRange{.min = 0, .max = 1},
-          "solve for M + diagonal_shift * max|M_ii| * I instead of M");
-    field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i");
-    field("objective", objective,
-          Choices<Objective>{{{"work", Objective::kWork}, {"complementarity", Objective::kComplementarity}}},
-          "1/2 z'Mz + q'z as in the paper, or z'(Mz + q); the latter always when M is not symmetric");
     field(
         "test", test, Choices<FinalTest>{{{"none", FinalTest::kNone}, {"residual", FinalTest::kResidual}}},
-        "of an answer that meets accept_residual: none, as in the paper; residual: from the raw data, as all native "
+        "of an answer to which the method converged: none, as in the paper; residual: from the raw data, as all native "
         "solvers do, with z_i = 0 where c_i z_i < w_i, and where that does not pass with M z = -q solved on the rest");
   }
 };
 
-constexpr double kBoundaryFraction = 0.99;  // of the longest step that keeps the multipliers positive [BV04 p. 613]
+// Of the longest step that keeps the multipliers positive; mu, alpha and beta of the book. [BV04, p. 569, 612, 613]
+constexpr double kBoundaryFraction = 0.99;
+constexpr double kBarrierFactor = 10;  // mu: each step aims at a gap smaller by it
+constexpr double kDecrease = 0.01;     // alpha: the share of the predicted decrease of the residual that is asked for
+constexpr double kBacktracking = 0.5;  // beta: the factor on a step that was too long
+
+// Solved is claimed only where max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of M's column i.
+constexpr double kAcceptedResidual = 1e-4;
 
 // A Newton step cut shorter than this was cut by rounding errors, not by the problem: the square root of the unit
 // round-off, as is usual where a decrease is told from noise.
@@ -115,8 +104,9 @@ struct Point {
 /// Solves LCP(q, M) as a convex quadratic program by the primal-dual interior-point method.
 ///
 /// minimize f(z) subject to z >= 0, y >= 0, y = M z + q, with f(z) = 1/2 z'Mz + q'z (the work done, and the paper's
-/// program) or f(z) = z'(Mz + q). For positive semidefinite M a solution of the LCP is a solution of the program. With
-/// the former both y_i and its multiplier vanish on active contacts, so that they are only of the size of sqrt(gap).
+/// program) or, where M is not symmetric, f(z) = z'(Mz + q). For positive semidefinite M a solution of the LCP is a
+/// solution of the program. With the former both y_i and its multiplier vanish on active contacts, so that they are only
+/// of the size of sqrt(gap).
 /// Without a strictly feasible point (contact normals that positively span space) there is no central path and the
 /// method may stall. For other M it finds at best a stationary point, and says solved only where the LCP holds.
 /// The multiplier of y = M z + q is eliminated (it equals -kappa). O(n^3) per step; solve() allocates nothing.
@@ -134,7 +124,7 @@ class PrimalDual final : public Solver {
   void resize_workspace(Index n);
   void set_start();
   InteriorEnd iterate(double deadline_s, Counters& counters);
-  /// r_dual_ = H z + q - lambda - M'kappa and r_pri_ = M z + q - y at `point`, with the shifted M.
+  /// r_dual_ = H z + q - lambda - M'kappa and r_pri_ = M z + q - y at `point`.
   void evaluate_residuals(const Point& point);
   double residual_norm(const Point& point, double t) const;
   bool converged() const;
@@ -150,11 +140,10 @@ class PrimalDual final : public Solver {
   void settle(InteriorEnd end, double deadline_s, Answer& answer);
 
   PrimalDualSettings settings_;
-  Matrix M_;  // shifted
+  Matrix M_;
   Matrix H_;  // Hessian of f
   Vector q_;
-  Vector column_scale_;  // of the unshifted M
-  double shift_ = 0;
+  Vector column_scale_;
 
   Point point_, trial_, direction_;
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
@@ -181,10 +170,8 @@ void PrimalDual::on_load(const Problem& problem) {
   M_ = std::move(lcp.M);
   if (n == 0) return;
   column_scale_ = M_.cwiseAbs().colwise().maxCoeff();
-  shift_ = settings_.diagonal_shift * M_.diagonal().cwiseAbs().maxCoeff();
-  M_.diagonal().array() += shift_;
   H_ = M_ + M_.transpose();
-  if (settings_.objective == Objective::kWork && nearly_symmetric(M_)) H_ *= 0.5;
+  if (nearly_symmetric(M_)) H_ *= 0.5;
 }
 
 void PrimalDual::resize_workspace(Index n) {
@@ -219,8 +206,8 @@ double PrimalDual::residual_norm(const Point& point, double t) const {
                    (point.y.array() * point.kappa.array() - 1 / t).matrix().squaredNorm());
 }
 
-/// Whether point_ meets the absolute tolerances, for the shifted M: the Euclidean norm of each residual in the units of
-/// q, the surrogate gap in those of z'q. False for NaN. @pre r_pri_ and r_dual_ are those of point_
+/// Whether point_ meets the absolute tolerances: the Euclidean norm of each residual in the units of q, the surrogate
+/// gap in those of z'q. False for NaN. @pre r_pri_ and r_dual_ are those of point_
 bool PrimalDual::converged() const {
   return r_pri_.norm() <= settings_.residual_tolerance && r_dual_.norm() <= settings_.residual_tolerance &&
          point_.surrogate_gap() <= settings_.gap_tolerance;
@@ -297,12 +284,12 @@ void PrimalDual::step_to_trial(double s) {
 /// new ones.
 bool PrimalDual::line_search(double t) {
   const double norm = residual_norm(point_, t);
-  for (double s = kBoundaryFraction * longest_step(); s >= kShortestStep; s *= settings_.backtracking) {
+  for (double s = kBoundaryFraction * longest_step(); s >= kShortestStep; s *= kBacktracking) {
     step_to_trial(s);
     if (!(trial_.z.minCoeff() > 0 && trial_.y.minCoeff() > 0)) continue;
     if (!(trial_.lambda.minCoeff() > 0 && trial_.kappa.minCoeff() > 0)) continue;  // rounding at the boundary
     evaluate_residuals(trial_);
-    if (residual_norm(trial_, t) <= (1 - settings_.decrease * s) * norm) {
+    if (residual_norm(trial_, t) <= (1 - kDecrease * s) * norm) {
       std::swap(point_, trial_);
       return true;
     }
@@ -317,7 +304,7 @@ InteriorEnd PrimalDual::iterate(double deadline_s, Counters& counters) {
     if (converged()) return InteriorEnd::kConverged;
     if (counters.iterations >= settings_.max_iterations) return InteriorEnd::kIterationLimit;
     if (!(wall_clock_s() < deadline_s)) return InteriorEnd::kTimeLimit;
-    const double t = settings_.barrier_factor * constraints / point_.surrogate_gap();
+    const double t = kBarrierFactor * constraints / point_.surrogate_gap();
     if (!std::isfinite(t)) return InteriorEnd::kBreakdown;
     if (!find_direction(t, deadline_s, counters)) {
       return wall_clock_s() < deadline_s ? InteriorEnd::kBreakdown : InteriorEnd::kTimeLimit;
@@ -326,10 +313,10 @@ InteriorEnd PrimalDual::iterate(double deadline_s, Counters& counters) {
   }
 }
 
-/// max |min(c_i z_i, w_i)| for the unshifted M: c_i z_i is the largest change in w that leaving out z_i would make.
+/// max |min(c_i z_i, w_i)|: c_i z_i is the largest change in w that leaving out z_i would make.
 /// Infinity when it is not a number. Leaves w in work_.
 double PrimalDual::lcp_residual() {
-  work_ = q_ - shift_ * point_.z;
+  work_ = q_;
   work_.noalias() += M_ * point_.z;
   double worst = 0;
   for (Index i = 0; i < q_.size(); ++i) {
@@ -359,7 +346,7 @@ void PrimalDual::finish_on_support(double deadline_s, Vector& z) {
   auto x = work_.head(order);
   const auto member = [this](Index k) { return support_[static_cast<std::size_t>(k)]; };
   for (Index c = 0; c < order; ++c) {
-    for (Index r = 0; r < order; ++r) block(r, c) = M_(member(r), member(c)) - (r == c ? shift_ : 0.0);
+    for (Index r = 0; r < order; ++r) block(r, c) = M_(member(r), member(c));
   }
   for (Index r = 0; r < order; ++r) {
     const double scale = scale_of(block.row(r));
@@ -401,7 +388,7 @@ void PrimalDual::finish_on_support(double deadline_s, Vector& z) {
 
 /// The z_i below zero become zero, and those whose w_i is become positive: the next support. Spoils work_
 void PrimalDual::exchange_negative(Vector& z) {
-  work_ = q_ - shift_ * z;
+  work_ = q_;
   work_.noalias() += M_ * z;
   for (Index i = 0; i < z.size(); ++i) z(i) = z(i) == 0 && work_(i) < 0 ? 1 : std::max(z(i), 0.0);
 }
@@ -448,7 +435,7 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   set_start();
   const InteriorEnd end = iterate(deadline_s, answer.counters);
   answer.z = point_.z;
-  const bool accepted = lcp_residual() <= settings_.accept_residual * q_.cwiseAbs().maxCoeff();
+  const bool accepted = lcp_residual() <= kAcceptedResidual * q_.cwiseAbs().maxCoeff();
   answer.claim = claim_of(end);
   answer.detail = words_of(end);
   if (end == InteriorEnd::kConverged && !accepted) {

@@ -23,15 +23,15 @@ constexpr Capabilities kCapabilities{.guarantees = "positive semidefinite M and 
 
 constexpr Index kNone = -1;
 
+/// Relative error of M and q: what errors of this size could make 0 counts as 0. M of contacts is a rounded product.
+constexpr double kDataError = 1e-14;
+
 /// The settings of every method of principal pivots.
 struct PrincipalSettings {
   std::int64_t max_pivots = 0;
-  double data_error = 1e-14;
 
   void visit(auto&& field) {
     field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
-    field("data_error", data_error, RealRange{.min = 0, .max = 1},
-          "relative error of M and q: values that errors of this size could make 0 count as 0");
   }
 };
 
@@ -42,7 +42,7 @@ class PrincipalSolver : public Solver {
 
   /// @param no_pivot  static text: what the answer says at End::kNoPivot
   PrincipalSolver(const PrincipalSettings& settings, const char* no_pivot)
-      : data_error_(settings.data_error), settings_(settings), no_pivot_(no_pivot) {}
+      : settings_(settings), no_pivot_(no_pivot) {}
 
   /// Ends with kUnblocked only after it wrote farkas_. Must not allocate.
   virtual End run(double deadline_s, Counters& counters) = 0;
@@ -55,14 +55,13 @@ class PrincipalSolver : public Solver {
     return tableau_.rebuild();
   }
 
-  /// Whether the diagonal entry of column k stays positive under relative errors of the data of data_error_: in the
+  /// Whether the diagonal entry of column k stays positive under relative errors of the data of kDataError: in the
   /// tableau, and computed anew from the data (PrincipalTableau::gains). Writes the error bounds of the column. O(n^2).
   bool has_pivot(Index k, Vector& column_errors) {
-    tableau_.column_errors(k, data_error_, column_errors);
-    return tableau_.matrix()(k, k) > column_errors(k) && tableau_.gains(k, data_error_);
+    tableau_.column_errors(k, kDataError, column_errors);
+    return tableau_.matrix()(k, k) > column_errors(k) && tableau_.gains(k, kDataError);
   }
 
-  const double data_error_;
   PrincipalTableau tableau_;
   std::int64_t pivot_limit_ = 0;
   Vector bounds_;  // n: errors of the constants; murty also writes those of a column there
@@ -120,7 +119,7 @@ class Murty final : public PrincipalSolver {
 /// The smallest i whose basic variable is negative or NaN; -1: none. Writes the error bounds of the constants. O(n^2)
 Index Murty::first_negative() {
   const Index n = tableau_.size();
-  tableau_.constant_errors(data_error_, bounds_);
+  tableau_.constant_errors(kDataError, bounds_);
   for (Index i = 0; i < n; ++i) {
     if (!(tableau_.constants()(i) >= -bounds_(i))) return i;
   }
@@ -236,7 +235,7 @@ Index PrincipalPivoting::next_distinguished() const {
 void PrincipalPivoting::refresh_values(Index r) {
   basic_ = tableau_.constants();
   basic_.noalias() += tableau_.matrix() * nonbasic_;
-  tableau_.constant_errors(data_error_, bounds_);
+  tableau_.constant_errors(kDataError, bounds_);
   for (Index i = 0; i < tableau_.size(); ++i) {
     if (i != r && !tableau_.z_is_basic(i) && basic_(i) >= -bounds_(i)) unsettled_[static_cast<std::size_t>(i)] = false;
   }
@@ -370,7 +369,7 @@ bool PrincipalPivoting::find_farkas_vector(Index r) {
   farkas_(r) = 1;
   for (Index j = 0; j < n; ++j) {
     const auto column = lcp.M.col(j);
-    if (!(column.dot(farkas_) <= data_error_ * column.cwiseAbs().dot(farkas_))) return false;
+    if (!(column.dot(farkas_) <= kDataError * column.cwiseAbs().dot(farkas_))) return false;
   }
   // M'u <= 0 holds only to within rounding, so that a large z could outweigh a q'u that is negative by rounding. The
   // margin of q'u is the square root of the round-off.

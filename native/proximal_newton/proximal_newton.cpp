@@ -111,7 +111,7 @@ void ProximalNewton::begin(const Vector* start, double error) {
   begin_result({.iterations = 0, .pivots = -1, .factorizations = 0});
   now_ = {.is_last = error > 0};
   best_ = {.tolerance = error > 0 ? error : settings_.tolerance,
-           .accept_residual = error > 0 ? error : settings_.accept_residual};
+           .accept_residual = error > 0 ? error : std::max(settings_.tolerance, kAcceptedResidual)};
   if (!refusal_.empty()) return;
   test_.allow(error);
   best_impulse_.setZero();

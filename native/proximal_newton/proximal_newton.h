@@ -13,11 +13,10 @@ namespace lcpbench {
 
 struct ProximalNewtonSettings {
   double tolerance = 1e-9;
-  double accept_residual = 1e-4;
   std::int64_t max_iterations = 50000;
 
   void visit(auto&& field) {
-    visit_residuals(field, tolerance, accept_residual);
+    visit_tolerance(field, tolerance);
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "Newton steps, over all proximal problems");
   }
 };
@@ -39,7 +38,7 @@ struct ProximalNewtonSettings {
 /// step costs one LU factorization of a matrix whose entries are those of G and the pairs of coordinates that a contact
 /// moves. Takes inertia of full rank, and directions of regular polygons.
 ///
-/// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes.
+/// kSolved: the velocity residual, recomputed from z in double, is at most 1e-4 or the tolerance, and AnswerTest passes.
 class ProximalNewton : public BestImpulseSolver<> {
  public:
   explicit ProximalNewton(const ProximalNewtonSettings& settings) : settings_(settings) {}

@@ -24,7 +24,6 @@ struct RegularizedSettings {
   double first = 1e-20;
   double factor = 1e4;
   double last = 10.0;
-  double tolerance = 1e-6;
   RegularizedTest test = RegularizedTest::kResidual;
 
   void visit(auto&& field) {
@@ -32,7 +31,6 @@ struct RegularizedSettings {
     field("first", first, RealRange{.min = 1e-300, .max = 1e300}, "first eps of the ladder");
     field("factor", factor, RealRange{.min = 1.5, .max = 1e300}, "each eps is the one before times this");
     field("last", last, RealRange{.min = 0, .max = 1e300}, "no eps is above this; 0: only M itself is tried");
-    field("tolerance", tolerance, RealRange{.min = 0, .max = 1}, "relative tolerance of the test on z, w and z'w");
     field("test", test,
           Choices<RegularizedTest>{{{"tried", RegularizedTest::kTried},
                                     {"original", RegularizedTest::kOriginal},
@@ -61,6 +59,9 @@ Options with_canonical_inner_solver(Options options) {
   return options;
 }
 
+/// tau of the test on z, w and z'w, see Regularization.
+constexpr double kTolerance = 1e-6;
+
 constexpr std::string_view kFailureReport = "no try passed the test; the first: ";
 
 /// Appends the shortest text that reads back to the same number.
@@ -84,7 +85,7 @@ enum class TryOutcome { kPassed, kFailed, kOutOfTime };
 
 /// The problem of one `regularized`, and the test that an answer has to pass.
 ///
-/// With tau the tolerance, an answer passes when its solver claims it solved and c_i z_i >= -tau max|q|, w_i >= -tau
+/// With tau = kTolerance, an answer passes when its solver claims it solved and c_i z_i >= -tau max|q|, w_i >= -tau
 /// s_i and |z'w| <= tau |z|'s. c_i is the largest |entry| of M's column i; s_i = max|q|, so that large inner forces
 /// excuse nothing, but |q_i| + sum_j |M_ij| max(|z_j|, max|q| / c_j) on rows with M_ii = 0 (those of a friction cone,
 /// whose w has other units than q; z_j below tau max|q| / c_j is rounding noise, as in the test on z). With test=tried,
@@ -170,7 +171,6 @@ bool Regularization::passes(const Answer& answer, double eps) {
   w_.noalias() = lcp_.M * z;
   w_ += lcp_.q;
   w_ += shift * z;
-  const double tolerance = settings_.tolerance;
   const double largest_q = lcp_.q.cwiseAbs().maxCoeff();
   magnitude_ = z.cwiseAbs().cwiseMax(resolved_);
   scale_.noalias() = lcp_.M.cwiseAbs() * magnitude_;
@@ -178,8 +178,8 @@ bool Regularization::passes(const Answer& answer, double eps) {
   for (Index i = 0; i < scale_.size(); ++i) {
     if (lcp_.M(i, i) != 0) scale_(i) = largest_q;
   }
-  return column_scale_.cwiseProduct(z).minCoeff() >= -tolerance * largest_q &&
-         (w_ + tolerance * scale_).minCoeff() >= 0 && std::abs(z.dot(w_)) <= tolerance * z.cwiseAbs().dot(scale_);
+  return column_scale_.cwiseProduct(z).minCoeff() >= -kTolerance * largest_q &&
+         (w_ + kTolerance * scale_).minCoeff() >= 0 && std::abs(z.dot(w_)) <= kTolerance * z.cwiseAbs().dot(scale_);
 }
 
 void Regularization::report_pass(double eps, int tries, Answer& answer) {

@@ -379,7 +379,7 @@ double InteriorPoint::best(Vector& z) {
 void InteriorPoint::conclude(Answer& answer) {
   write_impulses(point_.f, answer.z);
   const double residual = relative_residual(point_.f);
-  answer.claim = residual <= settings_.accept_residual ? Claim::kSolved : Claim::kNumericalFailure;
+  answer.claim = residual <= accepted_ ? Claim::kSolved : Claim::kNumericalFailure;
   if (stop_ == Stop::kStalled) answer.detail = "no step goes further";
   if (stop_ == Stop::kBreakdown) answer.detail = "the Newton system could not be solved";
 }

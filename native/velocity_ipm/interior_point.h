@@ -30,7 +30,10 @@ namespace lcpbench {
 /// conclude() writes may allocate.
 class InteriorPoint {
  public:
-  explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
+  /// The residual up to which conclude() claims an answer, unless the tolerance is larger.
+  static constexpr double kAcceptedResidual = 3e-5;
+
+  explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) { aim_at(settings.tolerance); }
 
   /// @param normals  nullptr where the inertia does not suit the algebra: then only load() and loaded() may be called
   /// @param coupled  a compliance that is added to the problem's, or empty
@@ -44,9 +47,12 @@ class InteriorPoint {
   void set_velocity(const Vector& v, const Vector& offset, double scale, double speed);
 
   /// InteriorPointSettings::tolerance from now on.
-  void aim_at(double tolerance) { settings_.tolerance = tolerance; }
-  /// InteriorPointSettings::accept_residual from now on.
-  void accept(double residual) { settings_.accept_residual = residual; }
+  void aim_at(double tolerance) {
+    settings_.tolerance = tolerance;
+    accepted_ = std::max(tolerance, kAcceptedResidual);
+  }
+  /// The residual up to which conclude() claims an answer, until the next aim_at().
+  void accept(double residual) { accepted_ = residual; }
 
   /// How an iteration ended: the tolerance is met; no step goes further; the Newton system could not be solved; a
   /// limit.
@@ -76,7 +82,7 @@ class InteriorPoint {
   /// Instead of finish(): no impulses at contacts that part.
   void drop_parting();
 
-  /// Sets z and the claim: kSolved when the velocity residual, computed from z alone, is within accept_residual, else
+  /// Sets z and the claim: kSolved when the velocity residual, computed from z alone, is within what is accepted, else
   /// kNumericalFailure; `detail` says so where no step went further, or the Newton system failed.
   void conclude(Answer& answer);
 
@@ -129,6 +135,7 @@ class InteriorPoint {
   double relative_residual(const Vector& f);
 
   InteriorPointSettings settings_;
+  double accepted_ = 0;
   std::unique_ptr<WhitenedNormals> normals_;
   Jacobian N_;
   Vector b_;  // empty: zero

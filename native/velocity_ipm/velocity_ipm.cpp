@@ -16,11 +16,9 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct VelocityIpmSettings {
-  Algebra algebra = Algebra::kAuto;
   InteriorPointSettings method;
 
   void visit(auto&& field) {
-    visit_algebra(field, algebra);
     method.visit(field);
   }
 };
@@ -33,7 +31,7 @@ struct VelocityIpmSettings {
 /// pressed, sparse by InteriorPoint::finish().
 ///
 /// Finished by the active set, an answer is claimed as ActiveSet does. Else kSolved: the velocity residual, computed
-/// from z alone, is within accept_residual, and the answer passes AnswerTest; kUnsolvable: AnswerTest proves it.
+/// from z alone, is at most 3e-5 or the tolerance, and the answer passes AnswerTest; kUnsolvable: AnswerTest proves it.
 /// kNumericalFailure: neither, and `detail` mostly says what ended the iteration or the test.
 class VelocityIpm final : public BudgetedSolver {
  public:
@@ -71,7 +69,7 @@ void VelocityIpm::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   result_.reserve(problem);
   best_.resize(contact.nc());
-  is_sparse_ = wants_sparse(settings_.algebra, contact);
+  is_sparse_ = suits_sparse_algebra(contact);
   method_.load(is_sparse_ ? sparse_whitened_normals(contact, multifrontal_cholesky()) : dense_whitened_normals(contact),
                contact);
   if (!method_.loaded()) return;
@@ -135,7 +133,7 @@ void VelocityIpm::begin(double error) {
   work_of_active_set_ = 0;
   if (!method_.loaded()) return;
   method_.aim_at(error > 0 ? error : settings_.method.tolerance);
-  method_.accept(error > 0 ? error : settings_.method.accept_residual);
+  if (error > 0) method_.accept(error);
   test_.allow(error);
   method_.begin();
 }
@@ -155,7 +153,7 @@ bool VelocityIpm::solve_within(const Budget& budget, Answer& answer) {
     }
   } else {
     result_.claim = Claim::kUnsupported;
-    result_.detail = "algebra=sparse needs an inertia of positive definite blocks";
+    result_.detail = "needs an inertia of positive definite blocks";
   }
   answer.reserve(problem());
   answer = result_;

@@ -399,8 +399,7 @@ std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& p
   return std::make_unique<SparseNormals>(std::move(roots), problem.N, std::move(factorization), coupled);
 }
 
-bool wants_sparse(Algebra algebra, const ContactProblem& problem) {
-  if (algebra != Algebra::kAuto) return algebra == Algebra::kSparse;
+bool suits_sparse_algebra(const ContactProblem& problem) {
   return std::holds_alternative<SparseMatrix>(problem.N) && std::holds_alternative<BlockInertia>(problem.inertia);
 }
 

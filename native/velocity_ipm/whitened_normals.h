@@ -55,7 +55,7 @@ std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& p
                                                          std::unique_ptr<SparseFactorization> factorization,
                                                          const CoupledCompliance& coupled = {});
 
-/// Whether the sparse algebra is asked for, or is what suits the problem.
-bool wants_sparse(Algebra algebra, const ContactProblem& problem);
+/// Whether the Newton matrix is factored as a sparse one: with a sparse N and an inertia of blocks, as every scene has.
+bool suits_sparse_algebra(const ContactProblem& problem);
 
 }  // namespace lcpbench

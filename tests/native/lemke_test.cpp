@@ -48,10 +48,9 @@ Recorded run(const LemkeSettings& settings, const Problem& problem, IsaLevel lev
 
 Problem bare(Matrix M, Vector q) { return Problem("test", Lcp{std::move(M), std::move(q)}); }
 
-LemkeSettings with(LemkeEngine engine, LemkeUpdate update = LemkeUpdate::kResolve) {
+LemkeSettings with(LemkeEngine engine) {
   LemkeSettings settings;
   settings.engine = engine;
-  settings.update = update;
   return settings;
 }
 
@@ -68,19 +67,15 @@ double error(const Vector& z, const Vector& expected) {
   return (z - expected).cwiseAbs().maxCoeff() / (1 + expected.cwiseAbs().maxCoeff());
 }
 
-class LemkeTest : public ::testing::TestWithParam<std::tuple<LemkeEngine, LemkeUpdate>> {
+class LemkeTest : public ::testing::TestWithParam<LemkeEngine> {
  protected:
-  LemkeSettings settings() const { return with(std::get<0>(GetParam()), std::get<1>(GetParam())); }
+  LemkeSettings settings() const { return with(GetParam()); }
   Recorded solve(Matrix M, Vector q) const { return run(settings(), bare(std::move(M), std::move(q))); }
 };
 
-INSTANTIATE_TEST_SUITE_P(Engines, LemkeTest,
-                         ::testing::Combine(::testing::Values(LemkeEngine::kDense, LemkeEngine::kKernel),
-                                            ::testing::Values(LemkeUpdate::kResolve, LemkeUpdate::kIncremental)),
-                         [](const auto& engine) {
-                           return std::string(std::get<0>(engine.param) == LemkeEngine::kDense ? "Dense" : "Kernel") +
-                                  (std::get<1>(engine.param) == LemkeUpdate::kResolve ? "Resolve" : "Incremental");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Engines, LemkeTest, ::testing::Values(LemkeEngine::kDense, LemkeEngine::kKernel),
+    [](const auto& engine) { return std::string(engine.param == LemkeEngine::kDense ? "Dense" : "Kernel"); });
 
 TEST_P(LemkeTest, SolvesWhatTheoryPromises) {
   // Lemke's method processes monotone problems: it solves them, or ends on a ray when there is no solution.
@@ -221,9 +216,6 @@ TEST_P(LemkeTest, AnOverflowLeavesNothingBehind) {
   solver.load(problem);
   Answer answer;
   solver.solve({}, answer);
-  if (settings.update == LemkeUpdate::kIncremental) {
-    EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
-  }
   solver.load(other);
   solver.solve({}, answer);
   EXPECT_EQ(answer.claim, expected.claim);
@@ -352,12 +344,9 @@ TEST(LemkeEnginesTest, LevelsAgreeOnAnswers) {
 
 TEST(LemkeEnginesTest, CountsItsWork) {
   const Problem problem = bare(tridiagonal(9, 4, -1), -ones(9));
-  // Resolving factors the last basis too, for its values.
-  const Recorded resolved = run(with(LemkeEngine::kKernel, LemkeUpdate::kResolve), problem);
-  EXPECT_EQ(resolved.answer.counters.pivots, static_cast<std::int64_t>(resolved.pivots.size()));
-  EXPECT_EQ(resolved.answer.counters.factorizations, resolved.answer.counters.pivots + 1);
-  const Recorded incremental = run(with(LemkeEngine::kKernel, LemkeUpdate::kIncremental), problem);
-  EXPECT_EQ(incremental.answer.counters.factorizations, incremental.answer.counters.pivots);
+  const Recorded result = run(with(LemkeEngine::kKernel), problem);
+  EXPECT_EQ(result.answer.counters.pivots, static_cast<std::int64_t>(result.pivots.size()));
+  EXPECT_EQ(result.answer.counters.factorizations, result.answer.counters.pivots + 1);  // the last basis, for its values
 }
 
 }  // namespace

@@ -37,18 +37,13 @@ TEST(PrimalDualTest, FindsThePlantedSolutionInAFewStepsWhateverTheSize) {
   }
 }
 
-// On active rows the program of the paper leaves y and its multiplier both at zero, z'w leaves one of them positive.
-TEST(PrimalDualTest, ATighterGapAndTheComplementarityObjectiveGainAccuracy) {
+TEST(PrimalDualTest, ATighterGapGainsAccuracy) {
   Vector z;
   const Lcp lcp = well_conditioned(20, z);
-  const Answer loose = solve(lcp, "eps=1e-6,accept_residual=1,test=none");
+  const Answer loose = solve(lcp, "eps=1e-6,test=none");
   const Answer tight = solve(lcp, "eps=1e-14,test=none");
   EXPECT_LT(loose.counters.iterations, tight.counters.iterations);
   EXPECT_GT((loose.z - z).norm(), 10 * (tight.z - z).norm());
-  const Answer work = solve(lcp, "test=none");
-  const Answer complementarity = solve(lcp, "objective=complementarity,test=none");
-  ASSERT_EQ(complementarity.claim, Claim::kSolved);
-  EXPECT_LE((complementarity.z - z).norm(), 1e-2 * (work.z - z).norm());
 }
 
 // A step of some thousands of rows takes seconds: what stops it is asked many times within one.
@@ -69,7 +64,6 @@ TEST(PrimalDualTest, SaysWhenItsToleranceWasOutOfReach) {
   EXPECT_EQ(answer.claim, Claim::kSolved);
   EXPECT_TRUE(answer.detail.starts_with("no step reduces the residual further; ")) << answer.detail;
   EXPECT_LE((answer.z - z).norm(), 1e-6);
-  EXPECT_EQ(solve(lcp, "accept_residual=1e-12").claim, Claim::kNumericalFailure);
 }
 
 // The method itself stops at absolute tolerances; its support is solved for with rows and columns of one scale.
@@ -84,14 +78,6 @@ TEST(PrimalDualTest, FinishesOnASupportOfEveryScale) {
     ASSERT_EQ(answer.claim, Claim::kSolved) << n << ": " << answer.detail;
     EXPECT_TRUE(answer.z.cwiseProduct(scale).isApprox(testing::ones(n), 1e-9)) << answer.z.transpose();
   }
-}
-
-TEST(PrimalDualTest, TheShiftSolvesTheShiftedProblem) {
-  const Lcp lcp{testing::matrix_of(2, {2, 0, 0, 4}), testing::vector_of({-2, -4})};
-  const Answer answer = solve(lcp, "diagonal_shift=0.25,accept_residual=1,test=none");  // + 1 on the diagonal
-  EXPECT_NEAR(answer.z(0), 2.0 / 3, 1e-6);
-  EXPECT_NEAR(answer.z(1), 4.0 / 5, 1e-6);
-  EXPECT_EQ(solve(lcp, "diagonal_shift=0.25").claim, Claim::kNumericalFailure);  // judged on M as given
 }
 
 }  // namespace
