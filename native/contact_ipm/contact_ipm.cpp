@@ -36,11 +36,11 @@ constexpr double kWorkOfCoordinate = 100, kWorkOfPair = 180;
 /// A *pair* is a multiplier x and a slack s, both positive, whose product falls to zero: f_N and w_N of a contact; each
 /// f_D,k and w_D,k = lambda + d_k'w_T; lambda and mu f_N - sum f_D. All impulses are kept in one unit, so that the
 /// products are energies, which all tend to one number: with a unit for each contact a heavy body on a light one takes
-/// many more steps. A Newton step for all pairs and the
-/// momentum, G (u - v) = J f, is eliminated contact by contact: the change of a contact's impulses is a 3 x 3 matrix K,
-/// not symmetric, times that of its velocity, and G + J'K J, of the order of the velocity, is factored by NewtonMatrix.
-/// Without friction the problem is convex. With it the path that the products follow may fold: the steps become short.
-/// Then ProximalNewton goes on from the best impulses. [Mehrotra 1992; Wright 1997, ch. 10;
+/// many more steps. A Newton step for all pairs and the momentum, G (u - v) = J f, is eliminated contact by contact:
+/// the change of a contact's impulses is a 3 x 3 matrix K, not symmetric, times that of its velocity, and G + J'K J, of
+/// the order of the velocity, is factored by NewtonMatrix. Without friction the problem is convex. With it the path
+/// that the products follow may fold: the steps become short. Then ProximalNewton goes on from the best impulses.
+/// [Mehrotra 1992; Wright 1997, ch. 10;
 /// docs/reference/solvers/contact_ipm.md]
 ///
 /// kSolved: as of ProximalNewton.
@@ -75,21 +75,21 @@ class ContactIpm final : public ProximalNewton {
   void begin(const Vector* start, double error) override;
   bool run(double work, double deadline_s) override;
 
+  bool mehrotra_step();
+  void leave_path();
   void set_start();
   Eigen::Vector3d velocity(std::size_t contact) const;
   void evaluate();
   bool factor();
   void eliminate(std::size_t contact);
-  Eigen::Vector3d constant_impulse(std::size_t contact);
   void find_direction(Vector& dx, Vector& ds);
+  Eigen::Vector3d constant_impulse(std::size_t contact);
   double longest_step(const Vector& dx, const Vector& ds) const;
-  bool step();
-  void leave_path();
 
   std::vector<Contact> contacts_;
   std::vector<Elimination> eliminations_;
   Vector x_, s_;    // of each pair
-  Vector missing_;  // what the slacks lack: of each pair s as the impulses and velocities give it, less s
+  Vector slack_residual_;  // of each pair: s as the impulses and velocities give it, less s
   Vector target_;   // what x s is to become, less x s
   Vector dx_, ds_, predicted_dx_, predicted_ds_;
   double impulse_ = 1;  ///< of a unit of x
@@ -129,7 +129,9 @@ void ContactIpm::on_load(const Problem& problem) {
     work_of_step_ +=
         kWorkOfCoordinate * static_cast<double>(rows_[i].J.cols()) + kWorkOfPair * static_cast<double>(own_pairs);
   }
-  for (Vector* pair : {&x_, &s_, &missing_, &target_, &dx_, &ds_, &predicted_dx_, &predicted_ds_}) pair->resize(pairs);
+  for (Vector* pair : {&x_, &s_, &slack_residual_, &target_, &dx_, &ds_, &predicted_dx_, &predicted_ds_}) {
+    pair->resize(pairs);
+  }
 }
 
 void ContactIpm::begin(const Vector* /*start*/, double error) {
@@ -140,13 +142,74 @@ void ContactIpm::begin(const Vector* /*start*/, double error) {
   evaluate();
 }
 
-/// The contact's velocities, without compliance.
-Eigen::Vector3d ContactIpm::velocity(std::size_t contact) const {
-  const auto i = static_cast<Index>(contact);
-  Eigen::Vector3d w = rows_[contact].velocity(now_at_.velocity);
-  if (state_.offset.size() > 0) w(0) += state_.offset(i);
-  if (state_.offset_t.size() > 0) w.tail<2>() += state_.offset_t.segment<2>(2 * i);
-  return w;
+/// Steps along the path until the residual is small enough; where the path folds, proximal problems go on.
+bool ContactIpm::run(double work, double deadline_s) {
+  const double until = best_.work + work;
+  while (is_on_path_) {
+    if (!(best_.work < until)) break;
+    const auto stops = [&](Claim claim) {
+      end(claim, deadline_s);
+      return true;
+    };
+    if (!(wall_clock_s() < deadline_s)) return stops(Claim::kTimeLimit);
+    if (result_.counters.iterations >= settings_.max_iterations) return stops(Claim::kIterationLimit);
+    ++result_.counters.iterations;
+    const bool goes_on = mehrotra_step();
+    if (goes_on) {
+      evaluate();
+      note();
+    }
+    const bool has_ended = best_.residual <= best_.tolerance && end(Claim::kNumericalFailure, deadline_s);
+    if (has_ended && result_.claim != Claim::kNumericalFailure) return true;
+    if (has_ended || !goes_on || result_.counters.iterations - now_.step_then > kMostIdleSteps) leave_path();
+  }
+  return ProximalNewton::run(until - best_.work, deadline_s);
+}
+
+/// Mehrotra's predictor and corrector from (x, s). @returns whether the path goes on
+bool ContactIpm::mehrotra_step() {
+  if (!factor()) return false;
+  const auto pairs = static_cast<double>(x_.size());
+  const double mean = x_.dot(s_) / pairs;  // mu of the paper
+  // The predictor aims at products of zero. How far it can go tells how much to centre.
+  target_ = -x_.cwiseProduct(s_);
+  find_direction(predicted_dx_, predicted_ds_);
+  const double reach = std::min(1.0, longest_step(predicted_dx_, predicted_ds_));
+  double after = 0;
+  for (Index i = 0; i < x_.size(); ++i) {
+    after += (x_(i) + reach * predicted_dx_(i)) * (s_(i) + reach * predicted_ds_(i)) / pairs;
+  }
+  const double ratio = std::clamp(after / mean, 0.0, 1.0), centring = ratio * ratio * ratio;  // sigma of the paper
+  // The corrector, with the same factors, aims at products of sigma mu, and takes the second-order terms along.
+  target_.array() += centring * mean - predicted_dx_.array() * predicted_ds_.array();
+  find_direction(dx_, ds_);
+  double length = std::min(1.0, kBoundaryFraction * longest_step(dx_, ds_));
+  if (length < kShortStep) {
+    target_.array() = std::max(centring, kCentring) * mean - x_.array() * s_.array();
+    find_direction(dx_, ds_);
+    length = std::min(1.0, kBoundaryFraction * longest_step(dx_, ds_));
+  }
+  if (!(length > kShortestStep) || !step_.allFinite()) return false;
+  x_ += length * dx_;
+  s_ += length * ds_;
+  now_at_.velocity += length * step_;
+  return true;
+}
+
+/// The best impulses become the first ones of proximal problems.
+void ContactIpm::leave_path() {
+  is_on_path_ = false;
+  result_.detail.clear();
+  now_.halved = best_.residual;
+  now_.step_then = result_.counters.iterations;
+  if (best_.residual < kInfinity) {
+    state_.impulse = best_impulse_;
+    state_.recompute_velocity();
+    net_impulses(state_, from_);
+    from_velocity_ = state_.u;
+    now_.share = kShareAfterFold;
+  }
+  begin_proximal();
 }
 
 /// The velocity before the impact, and at each contact the impulses that would stop it alone, as far as friction can.
@@ -181,7 +244,16 @@ void ContactIpm::set_start() {
   }
 }
 
-/// The impulses, what is left of the momentum's balance, and missing_.
+/// The contact's velocities, without compliance.
+Eigen::Vector3d ContactIpm::velocity(std::size_t contact) const {
+  const auto i = static_cast<Index>(contact);
+  Eigen::Vector3d w = rows_[contact].velocity(now_at_.velocity);
+  if (state_.offset.size() > 0) w(0) += state_.offset(i);
+  if (state_.offset_t.size() > 0) w.tail<2>() += state_.offset_t.segment<2>(2 * i);
+  return w;
+}
+
+/// The impulses, and the residuals of the momentum's balance and of the slacks.
 void ContactIpm::evaluate() {
   change_ = now_at_.velocity - state_.u0;
   now_at_.momentum.noalias() = matrix_.G() * change_;
@@ -197,14 +269,14 @@ void ContactIpm::evaluate() {
     }
     rows_[i].add_momentum(-impulse, now_at_.momentum);
     const Eigen::Vector3d w = velocity(i);
-    missing_(contact.normal) = w(0) + contact.yields * impulse(0) - s_(contact.normal);
+    slack_residual_(contact.normal) = w(0) + contact.yields * impulse(0) - s_(contact.normal);
     if (contact.polygon == nullptr) continue;
     const Eigen::Vector2d slip = w.tail<2>() + contact.creeps * impulse.tail<2>();
     const Index lambda = contact.lambda();
     for (Index k = 0; k < contact.edges(); ++k) {
-      missing_(contact.edge(k)) = x_(lambda) + contact.polygon->direction(k).dot(slip) - s_(contact.edge(k));
+      slack_residual_(contact.edge(k)) = x_(lambda) + contact.polygon->direction(k).dot(slip) - s_(contact.edge(k));
     }
-    missing_(lambda) = contact.mu * x_(contact.normal) - sum - s_(lambda);
+    slack_residual_(lambda) = contact.mu * x_(contact.normal) - sum - s_(lambda);
   }
 }
 
@@ -249,30 +321,7 @@ bool ContactIpm::factor() {
   return has_factors;
 }
 
-/// The change of the contact's impulses towards target_, if its velocity stays.
-Eigen::Vector3d ContactIpm::constant_impulse(std::size_t index) {
-  const Contact& contact = contacts_[index];
-  Elimination& of = eliminations_[index];
-  const Index normal = contact.normal, lambda = contact.lambda();
-  of.at_rest = (target_(normal) - x_(normal) * missing_(normal)) /
-               (s_(normal) + contact.yields * impulse_ * x_(normal));
-  Eigen::Vector3d impulse(impulse_ * of.at_rest, 0, 0);
-  if (contact.polygon == nullptr) return impulse;
-  double sum = 0;
-  Eigen::Vector2d along = Eigen::Vector2d::Zero();
-  for (Index k = 0; k < contact.edges(); ++k) {
-    const Index edge = contact.edge(k);
-    const double own = (target_(edge) - x_(edge) * missing_(edge)) / s_(edge);
-    sum += own;
-    along += own * contact.polygon->direction(k);
-  }
-  of.lambda_at_rest = (target_(lambda) - x_(lambda) * missing_(lambda)) / of.lambda_divisor + of.lambda_by_edges * sum;
-  of.friction_at_rest = impulse_ * (along - of.lambda_at_rest * of.edges_sum);
-  impulse.tail<2>() = of.creep * (of.friction_at_rest + of.at_rest * of.friction_by_normal);
-  return impulse;
-}
-
-/// The Newton step towards x s + target_, nothing missing. The velocity's is step_.
+/// The Newton step towards products x s + target_ and residuals of zero. The velocity's is step_.
 void ContactIpm::find_direction(Vector& dx, Vector& ds) {
   step_ = -now_at_.momentum;
   for (std::size_t i = 0; i < contacts_.size(); ++i) rows_[i].add_momentum(constant_impulse(i), step_);
@@ -283,7 +332,7 @@ void ContactIpm::find_direction(Vector& dx, Vector& ds) {
     const Index normal = contact.normal, lambda = contact.lambda();
     const Eigen::Vector3d w = rows_[i].velocity(step_);
     dx(normal) = of.at_rest - of.by_normal * w(0);
-    ds(normal) = w(0) + contact.yields * impulse_ * dx(normal) + missing_(normal);
+    ds(normal) = w(0) + contact.yields * impulse_ * dx(normal) + slack_residual_(normal);
     if (contact.polygon == nullptr) continue;
     Eigen::Vector2d slip = w.tail<2>();
     if (contact.creeps > 0) {
@@ -294,12 +343,36 @@ void ContactIpm::find_direction(Vector& dx, Vector& ds) {
     double sum = 0;
     for (Index k = 0; k < contact.edges(); ++k) {
       const Index edge = contact.edge(k);
-      ds(edge) = dx(lambda) + contact.polygon->direction(k).dot(slip) + missing_(edge);
+      ds(edge) = dx(lambda) + contact.polygon->direction(k).dot(slip) + slack_residual_(edge);
       dx(edge) = (target_(edge) - x_(edge) * ds(edge)) / s_(edge);
       sum += dx(edge);
     }
-    ds(lambda) = contact.mu * dx(normal) - sum + missing_(lambda);
+    ds(lambda) = contact.mu * dx(normal) - sum + slack_residual_(lambda);
   }
+}
+
+/// The change of the contact's impulses towards target_, if its velocity stays.
+Eigen::Vector3d ContactIpm::constant_impulse(std::size_t index) {
+  const Contact& contact = contacts_[index];
+  Elimination& of = eliminations_[index];
+  const Index normal = contact.normal, lambda = contact.lambda();
+  of.at_rest = (target_(normal) - x_(normal) * slack_residual_(normal)) /
+               (s_(normal) + contact.yields * impulse_ * x_(normal));
+  Eigen::Vector3d impulse(impulse_ * of.at_rest, 0, 0);
+  if (contact.polygon == nullptr) return impulse;
+  double sum = 0;
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();
+  for (Index k = 0; k < contact.edges(); ++k) {
+    const Index edge = contact.edge(k);
+    const double own = (target_(edge) - x_(edge) * slack_residual_(edge)) / s_(edge);
+    sum += own;
+    along += own * contact.polygon->direction(k);
+  }
+  of.lambda_at_rest =
+      (target_(lambda) - x_(lambda) * slack_residual_(lambda)) / of.lambda_divisor + of.lambda_by_edges * sum;
+  of.friction_at_rest = impulse_ * (along - of.lambda_at_rest * of.edges_sum);
+  impulse.tail<2>() = of.creep * (of.friction_at_rest + of.at_rest * of.friction_by_normal);
+  return impulse;
 }
 
 double ContactIpm::longest_step(const Vector& dx, const Vector& ds) const {
@@ -308,73 +381,6 @@ double ContactIpm::longest_step(const Vector& dx, const Vector& ds) const {
     return (-change.array() / of.array()).maxCoeff();
   };
   return 1 / std::max({steepest(dx, x_), steepest(ds, s_), 0.0});
-}
-
-/// @returns whether the path goes on
-bool ContactIpm::step() {
-  if (!factor()) return false;
-  const auto pairs = static_cast<double>(x_.size());
-  const double mean = x_.dot(s_) / pairs;
-  target_ = -x_.cwiseProduct(s_);
-  find_direction(predicted_dx_, predicted_ds_);
-  const double reach = std::min(1.0, longest_step(predicted_dx_, predicted_ds_));
-  double after = 0;
-  for (Index i = 0; i < x_.size(); ++i) {
-    after += (x_(i) + reach * predicted_dx_(i)) * (s_(i) + reach * predicted_ds_(i)) / pairs;
-  }
-  const double ratio = std::clamp(after / mean, 0.0, 1.0), centring = ratio * ratio * ratio;
-  target_.array() += centring * mean - predicted_dx_.array() * predicted_ds_.array();
-  find_direction(dx_, ds_);
-  double length = std::min(1.0, kBoundaryFraction * longest_step(dx_, ds_));
-  if (length < kShortStep) {
-    target_.array() = std::max(centring, kCentring) * mean - x_.array() * s_.array();
-    find_direction(dx_, ds_);
-    length = std::min(1.0, kBoundaryFraction * longest_step(dx_, ds_));
-  }
-  if (!(length > kShortestStep) || !step_.allFinite()) return false;
-  x_ += length * dx_;
-  s_ += length * ds_;
-  now_at_.velocity += length * step_;
-  return true;
-}
-
-/// The best impulses become the first ones of proximal problems.
-void ContactIpm::leave_path() {
-  is_on_path_ = false;
-  result_.detail.clear();
-  now_.halved = best_.residual;
-  now_.step_then = result_.counters.iterations;
-  if (best_.residual < kInfinity) {
-    state_.impulse = best_impulse_;
-    state_.recompute_velocity();
-    net_impulses(state_, from_);
-    from_velocity_ = state_.u;
-    now_.share = kShareAfterFold;
-  }
-  begin_proximal();
-}
-
-bool ContactIpm::run(double work, double deadline_s) {
-  const double until = best_.work + work;
-  while (is_on_path_) {
-    if (!(best_.work < until)) break;
-    const auto stops = [&](Claim claim) {
-      end(claim, deadline_s);
-      return true;
-    };
-    if (!(wall_clock_s() < deadline_s)) return stops(Claim::kTimeLimit);
-    if (result_.counters.iterations >= settings_.max_iterations) return stops(Claim::kIterationLimit);
-    ++result_.counters.iterations;
-    const bool goes_on = step();
-    if (goes_on) {
-      evaluate();
-      note();
-    }
-    const bool has_ended = best_.residual <= best_.tolerance && end(Claim::kNumericalFailure, deadline_s);
-    if (has_ended && result_.claim != Claim::kNumericalFailure) return true;
-    if (has_ended || !goes_on || result_.counters.iterations - now_.step_then > kMostIdleSteps) leave_path();
-  }
-  return ProximalNewton::run(until - best_.work, deadline_s);
 }
 
 constexpr Capabilities kCapabilities{
