@@ -152,7 +152,8 @@ void IslandSolver::solve(const Vector* start, const AutoLimits& limits, Answer& 
   if (moves && !may_rest_instead(answer)) return;
   const bool is_sought = moves && !find_rest(limits, answer, report);  // it may slip by a method's error alone
   // Impulses of pivots are at the bounds of their cones; those of the interior point have room on all sides.
-  if (!settle_at_rest(answer, report) && !is_sought) rests_by_interior_point(limits, answer, report);
+  const bool is_settled = settle_at_rest(answer, report);
+  if (!(is_settled && (rested_ || !is_rough_)) && !is_sought) rests_by_interior_point(limits, answer, report);
   if (rested_) wrong_guesses_ = steps_without_guess_ = 0;
 }
 
@@ -172,6 +173,7 @@ bool IslandSolver::take_turns(const Vector* start, const AutoLimits& limits, Ans
   bool is_out_of_time = false, goes_on = true;
   answer.clear();  // what no method overwrites is not the last step's
   best_residual_ = kInfinity;
+  is_rough_ = false;
   for (double budget = 1; goes_on && !is_out_of_time; budget *= kGrowth) {
     goes_on = false;
     for (const auto& [method, work, price] : order_.turns()) {
@@ -200,7 +202,10 @@ bool IslandSolver::take_turns(const Vector* start, const AutoLimits& limits, Ans
       }
     }
     if (std::exchange(seeks_proof, false) && disproves(answer)) return true;
-    if (best_residual_ <= acceptable && passes(best_, answer)) break;
+    if (best_residual_ <= acceptable && passes(best_, answer)) {
+      is_rough_ = error == 0 && best_residual_ > kPoor * kDefaultAim;
+      break;
+    }
   }
   report.add({}, "");
   if (answer.claim == Claim::kSolved || answer.claim == Claim::kUnsolvable) return true;

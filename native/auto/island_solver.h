@@ -104,6 +104,7 @@ class IslandSolver {
   std::array<Progress, kAutoMethods> progress_{};  ///< in this solve
   Vector best_;               ///< the best iterate of this solve
   double best_residual_ = 0;                       ///< infinity: there is none
+  bool is_rough_ = false;  ///< the answer is an iterate of a method that has not ended, with no error stated
   AnswerTest test_;            ///< of iterates
   bool has_test_ = false;      ///< it holds the problem
   AutoLimits limits_;

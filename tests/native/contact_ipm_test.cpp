@@ -20,6 +20,19 @@ TEST(ContactIpmTest, SolvesWallsThatSlipInFewFactorizations) {
   EXPECT_LE(answer.counters.factorizations, 25);
 }
 
+// From the usual start the path soon ends at the boundary, and proximal_newton goes on for 50 to 190 factorizations.
+TEST(ContactIpmTest, BeginsAnewWhereAHeavyBodyStandsOnALightOne) {
+  for (const char* engine : {"bullet", "dart", "mujoco", "ode"}) {
+    const auto set = open_set(std::string("scene/mass-ratio-1e6/") + engine);
+    for (std::int64_t step = 0; step < *set->count(); ++step) {
+      const Problem problem = set->generate(1, step);
+      const Answer answer = solve("contact_ipm{tolerance=1e-6}", problem);
+      expect_solved(problem, answer, 1e-6);
+      EXPECT_LE(answer.counters.factorizations, 40) << engine << ' ' << step;
+    }
+  }
+}
+
 // The path of the interior point folds on the second step, and proximal_newton goes on from where it stops.
 TEST(ContactIpmTest, GoesOnWhereItsPathFolds) {
   const auto set = open_set("scene/wall/bullet");
