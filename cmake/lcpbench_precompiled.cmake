@@ -6,7 +6,7 @@
 # A target that uses NAME must be compiled with the same options and definitions, warnings apart, or g++ warns and reads the
 # headers anew. Where only the level of optimisation differs, g++ says nothing and compiles the target at NAME's level.
 # Every file includes what it uses all the same: clang and the preset `debug` compile without
-# (CMAKE_DISABLE_PRECOMPILE_HEADERS). The one header of ours names the parts of Eigen that core compiles once for all.
+# (CMAKE_DISABLE_PRECOMPILE_HEADERS).
 if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
@@ -37,4 +37,4 @@ set(LCPBENCH_STANDARD_HEADERS
   <algorithm> <array> <chrono> <cmath> <cstdint> <cstring> <filesystem> <functional> <limits> <map> <memory> <numeric> <optional>
   <set> <span> <string> <string_view> <utility> <variant> <vector>)
 set(LCPBENCH_EIGEN_HEADERS
-  <Eigen/Core> <Eigen/Geometry> <Eigen/SparseCore> ${PROJECT_SOURCE_DIR}/core/eigen_instances.h)
+  <Eigen/Core> <Eigen/Geometry> <Eigen/SparseCore>)
