@@ -80,8 +80,8 @@ class Engine {
   /// Writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible: u >= 0
   /// with N u in null(G) and (N'v + b)'u < 0, to rounding.
   virtual Outcome solve(const Rules& rules, double* z, double* velocity, double* u) = 0;
-  /// The residual of z (nc) in the test that solve() makes of its own answer, of the worst island relative to its scale,
-  /// without a bound on its rounding.
+  /// The residual of z (nc) in the test that solve() makes of its own answer, of the worst island relative to its
+  /// scale, without a bound on its rounding.
   virtual double residual(const double* z) = 0;
 };
 

@@ -113,8 +113,9 @@ class DualMethod {
         }
         const double full = is_independent ? -slack_[entering_] / left : kInfinity<double>;
 
-        // Step 2c (i). Neither exists: nothing is feasible, unless the violation is rounding. A positive definite inertia
-        // leaves nothing infeasible without an offset. If the violation is no rounding, the test of the answer finds it.
+        // Step 2c (i). Neither exists: nothing is feasible, unless the violation is rounding. A positive definite
+        // inertia leaves nothing infeasible without an offset. If the violation is no rounding, the test of the answer
+        // finds it.
         if (!is_independent && leaving < 0) {
           if ((!whitening_.triangular() || b_ != nullptr) && proves_infeasible()) return Ending::kInfeasible;
           break;

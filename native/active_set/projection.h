@@ -7,8 +7,8 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-/// The engine: hard contacts are solved by DualMethod, contacts with compliance by YieldingContacts, and both are tested
-/// alike. Those with friction too are solved by YieldingFriction, and not tested.
+/// The engine: hard contacts are solved by DualMethod, contacts with compliance by YieldingContacts, and both are
+/// tested alike. Those with friction too are solved by YieldingFriction, and not tested.
 class Projection final : public Engine {
   using L = Lanes<double>;
 
@@ -91,8 +91,7 @@ class Projection final : public Engine {
     }
     const auto found = answer(velocity_.data(), change_.data());
     if (!test_.passes(found, pressing_.data(), count_, rules.accept_residual)) outcome.ending = Ending::kRejected;
-    outcome.has_velocity =
-        (test_.is_far_from_underflow() || keeps_digits()) && test_.holds_velocity(found);
+    outcome.has_velocity = (test_.is_far_from_underflow() || keeps_digits()) && test_.holds_velocity(found);
     return outcome;
   }
 

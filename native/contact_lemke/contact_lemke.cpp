@@ -212,8 +212,8 @@ Engine& ContactLemke::engine_of(ContactArithmetic arithmetic) {
 }
 
 /// The limit on the pivots of a path, which ends those that cycle. On the first path contacts often tie, as those of
-/// symmetric bodies do, and it may cycle: its limit is one that all but 12 of 2,032 paths on the study's sets keep. Others
-/// have several times the most that they take, and more in 113 bits, where a large kernel was too much for double.
+/// symmetric bodies do, and it may cycle: its limit is one that all but 12 of 2,032 paths on the study's sets keep.
+/// Others have several times the most that they take, and more in 113 bits, where a large kernel was too much for double.
 std::ptrdiff_t ContactLemke::pivots_of(const ContactStage& stage) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
   if (rules_.resume) return 2 * rows + 10;  // where that is of little help, it is better to begin anew

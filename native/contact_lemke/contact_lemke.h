@@ -107,8 +107,8 @@ class ContactLemke final : public BudgetedSolver {
   /// cycles, are not counted, nor is the warm one.
   void limit_stages(std::int64_t max_stages) { max_stages_ = max_stages; }
 
-  /// From now on a solve first goes on from the basis of the last one, pivot by pivot as contacts change between the two
-  /// velocities (`detail` is then "warm").
+  /// From now on a solve first goes on from the basis of the last one, pivot by pivot as contacts change between the
+  /// two velocities (`detail` is then "warm").
   void resume_bases() { resumes_ = true; }
 
   /// Whether all contacts and coordinates of the problems loaded from now on are known to be one island. They are then

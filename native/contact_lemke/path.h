@@ -56,14 +56,15 @@ class Path {
 
   /// Lemke's method [Lemke 1965; Cottle, Pang, Stone 1992, algorithm 4.4.5]. z0 multiplies the covering vector.
   ///
-  /// Impulses and velocities are complementary, those of friction by lambda and the cone row. Every basis on the way has
-  /// one of each pair, but for one pair that z0 stands in for. Nothing breaks ties in a fixed order: a path that cycles
-  /// ends at the limit on pivots.
+  /// Impulses and velocities are complementary, those of friction by lambda and the cone row. Every basis on the way
+  /// has one of each pair, but for one pair that z0 stands in for. Nothing breaks ties in a fixed order: a path that
+  /// cycles ends at the limit on pivots.
   Ending follow(double* z) {
     if (expired()) return Ending::kTimeLimit;
 
     // Step 0. At z = 0 all velocities are basic. The covering vector enters, as much of it as makes the most negative
-    // velocity zero, which leaves; its complement, an impulse, enters next. No velocity is negative: z = 0 is the answer.
+    // velocity zero, which leaves; its complement, an impulse, enters next. If no velocity is negative, z = 0 is the
+    // answer.
     Entering& entering = entering_;
     if (rules_.resume) {
       const Start start = resume();
@@ -195,9 +196,9 @@ class Path {
     return Ending::kSolved;
   }
 
-  /// rounded_ := the impulses of the kernel's columns as doubles, 0 for those that are not positive. They are rounded in
-  /// turn, and each makes up for the rounding of those before (see RoundedShares), so that the velocities hardly change.
-  /// Nearly dependent contacts may have impulses of 1e12 N s that cancel: rounding each by itself changes velocities.
+  /// rounded_ := the impulses of the kernel's columns as doubles, 0 for those that are not positive. They are rounded
+  /// in turn, and each makes up for the rounding of those before (see RoundedShares), so that the velocities hardly
+  /// change. Nearly dependent contacts may have impulses of 1e12 N s that cancel: rounding each by itself changes velocities.
   /// @returns false where there are no factors of G*, or the columns are dependent: then rounded_ is of no use
   bool round_impulses() {
     if (!basis_.response.has_factors()) return false;

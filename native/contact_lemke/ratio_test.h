@@ -113,7 +113,9 @@ class RatioTest {
     theta *= static_cast<Scalar>(1 + 8 * kUnitRoundoff<Scalar>);  // the least ratio's own row is to stay among the tied
     const Count z0 = kernel_.artificial();
     if (z0 < 0 && theta >= 1) return {};  // of z0 itself, which enters at 1 and comes to its end
-    if (z0 >= 0 && variables_.dx[z0] < 0 && variables_.x[z0] <= theta * -variables_.dx[z0]) return {Kind::kColumn, z0, Label{}};
+    if (z0 >= 0 && variables_.dx[z0] < 0 && variables_.x[z0] <= theta * -variables_.dx[z0]) {
+      return {Kind::kColumn, z0, Label{}};
+    }
     return decode(fastest_of_tied(variables_.least_rate(rate_scale_), theta));
   }
 
