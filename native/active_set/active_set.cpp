@@ -31,17 +31,8 @@ constexpr Capabilities kSoft = with_compliance(kCapabilities);
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
 
-/// Inertia below this is refused in every precision, as double refuses it (Whitening::kLeastPivot).
-constexpr double kLeastInertia = 0x1p-900;
-
-/// A multiplication in 113 bits, in those of doubles in vectors.
-constexpr double kQuadPrice = 420;
-
 /// More multiplications than any limit on work asks for.
 constexpr double kMostWork = 0x1p60;
-
-/// Seconds for a unit of work, as a rule, to tell what a time limit rules out.
-constexpr double kTimeOfWork = 1e-10;
 
 /// What load() needs to know to take memory, for an inertia in any form.
 active_set::Input dimensions_of(const ContactProblem& contact) {
@@ -51,15 +42,6 @@ active_set::Input dimensions_of(const ContactProblem& contact) {
           .soft = contact.compliance_n.size(),
           .form = InertiaForm::kFactors,
           .factors = factored != nullptr ? factored->X.cols() : contact.ngc()};
-}
-
-/// Whether a diagonal entry of G, where that is given, is below kLeastInertia.
-bool underflows(const active_set::Input& input) {
-  if (input.form != InertiaForm::kDense) return false;
-  for (std::ptrdiff_t i = 0; i < input.ngc; ++i) {
-    if (input.matrix[i * input.ngc + i] < kLeastInertia) return true;
-  }
-  return false;
 }
 
 void report(const active_set::Outcome& outcome, Answer& answer) {
@@ -73,9 +55,9 @@ void report(const active_set::Outcome& outcome, Answer& answer) {
       answer.claim = Claim::kNumericalFailure;
       answer.detail = "own test failed";
       return;
-    case Ending::kStepLimit: answer.claim = Claim::kIterationLimit; return;
-    case Ending::kTimeLimit:
-    case Ending::kWorkLimit: answer.claim = Claim::kTimeLimit; return;
+    case Ending::kStepLimit:
+    case Ending::kWorkLimit: answer.claim = Claim::kIterationLimit; return;
+    case Ending::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
     case Ending::kBreakdown:
       answer.claim = Claim::kNumericalFailure;
       answer.detail = "inertia";
@@ -96,9 +78,7 @@ std::unique_ptr<active_set::Engine> make_active_set_engine(IsaLevel level) {
 }
 
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
-    : settings_(settings), first_(make_active_set_engine(level)), second_(active_set::quad::create_engine()) {
-  if (settings_.precision == ActiveSetPrecision::kQuad) first_.reset(active_set::quad::create_engine());
-}
+    : settings_(settings), engine_(make_active_set_engine(level)) {}
 
 const Capabilities& ActiveSet::capabilities() const {
   return yields_without_friction(problem()) ? kSoft : kCapabilities;
@@ -115,9 +95,7 @@ double ActiveSet::load_work(const Problem& problem, Index idle) {
 
 void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  const active_set::Input dimensions = dimensions_of(contact);
-  first_->reserve(dimensions);
-  reserve_last_stage(dimensions);
+  engine_->reserve(dimensions_of(contact));
   doubtful_.reserve(contact);
   v_.reserve(contact.ngc());
   dense_normals_.reserve(contact.ngc() * contact.nc());
@@ -130,19 +108,9 @@ void ActiveSet::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   describe(contact);
   doubtful_.load(contact);
-  first_->load(input_);
-  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_last_stage(dimensions_of(contact));
+  engine_->load(input_);
   farkas_.resize(input_.nc);
-  progress_ = {};
-}
-
-/// An engine keeps the largest sizes itself, but to ask this one takes 2 % of a small problem: its code is in no cache.
-void ActiveSet::reserve_last_stage(const active_set::Input& sizes) {
-  const bool fits = sizes.ngc <= reserved_.ngc && sizes.nc <= reserved_.nc && sizes.soft <= reserved_.soft &&
-                    sizes.factors <= reserved_.factors;
-  if (fits) return;
-  second_->reserve(sizes);
-  reserved_ = sizes;
+  outcome_ = {};
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.
@@ -183,11 +151,10 @@ void ActiveSet::describe(const ContactProblem& contact) {
 void ActiveSet::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  first_->update(v_.data());
+  engine_->update(v_.data());
 }
 
 void ActiveSet::begin_solve(const Vector* start) {
-  progress_ = {};
   outcome_ = {};
   rules_ = {};
   rules_.accept_residual = accepted();
@@ -200,21 +167,21 @@ void ActiveSet::begin_solve(const Vector* start) {
 
 bool ActiveSet::solve_within(const Budget& budget, Answer& answer) {
   begin_solve(budget.start);
-  progress_.most_work = budget.work;
+  if (budget.work < kMostWork) rules_.max_work = static_cast<std::ptrdiff_t>(std::ceil(budget.work));
   rules_.begin_s = 0;
   rules_.time_limit_s = budget.deadline_s;
   answer.reserve(problem());
   answer.z.resize(problem().size());
   answer.z.setZero();
   answer.velocity.resize(input_.ngc);
-  bool has_ended = true;
-  if (is_too_late_for(0)) {
+  const bool is_too_late = std::isfinite(budget.deadline_s) && !(wall_clock_s() < budget.deadline_s);
+  if (is_too_late) {
     outcome_.ending = Ending::kTimeLimit;
   } else {
-    has_ended = follow_stages(answer.z.data(), answer.velocity.data());
+    outcome_ = engine_->solve(rules_, answer.z.data(), answer.velocity.data(), farkas_.data());
   }
+  const bool has_ended = outcome_.ending != Ending::kWorkLimit;
   finish(answer);
-  if (!has_ended) answer.claim = Claim::kIterationLimit;
   return has_ended;
 }
 
@@ -228,34 +195,17 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   const bool reads_clock = !std::isinf(request.time_limit_s) && input_.ngc * input_.nc > kSmallSystem;
   rules_.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
   answer.velocity.resize(input_.ngc);
-  follow_stages(answer.z.data(), answer.velocity.data());
+  outcome_ = engine_->solve(rules_, answer.z.data(), answer.velocity.data(), farkas_.data());
   finish(answer);
 }
 
 double ActiveSet::residual(const Answer& answer) {
   const bool has_answer = outcome_.ending == Ending::kSolved || outcome_.ending == Ending::kRejected;
-  return has_answer ? first_->residual(answer.z.data()) : std::numeric_limits<double>::infinity();
-}
-
-/// @returns whether the solve has ended; if not, the budget of work is over
-bool ActiveSet::follow_stages(double* z, double* velocity) {
-  // Too small an inertia ends in kBreakdown in every precision: double finds that by itself, quad is not run.
-  if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
-    const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
-    if (!run(*first_, price, z, velocity)) return false;
-  }
-  if (settings_.precision != ActiveSetPrecision::kLadder || outcome_.ending == Ending::kSolved || stopped() ||
-      underflows(input_)) {
-    return true;
-  }
-  rules_.start = nullptr;  // it may have been what misled the first stage
-  return climb(z, velocity);
+  return has_answer ? engine_->residual(answer.z.data()) : std::numeric_limits<double>::infinity();
 }
 
 /// Writes claim, proof and text of a solve that has ended.
 void ActiveSet::finish(Answer& answer) {
-  answer.detail = progress_.detail;
-  if (outcome_.is_singular) doubtful_.doubt_given(*problem().contact());
   if (outcome_.ending == Ending::kSolved && !doubtful_.confirms(*problem().contact(), v_.view(), answer)) {
     outcome_.ending = Ending::kRejected;
   }
@@ -274,61 +224,6 @@ void ActiveSet::finish(Answer& answer) {
 /// The largest residual, relative to the scale of each island, of an answer that is claimed as solved.
 double ActiveSet::accepted() const {
   return std::min(settings_.accept_residual, doubtful_.may_be_singular() ? kSureResidual : kClaimedResidual);
-}
-
-/// On wall_clock_s(), in a solve that has read it or has no limit.
-double ActiveSet::deadline_s() const {
-  const double begin_s = std::isnan(rules_.begin_s) ? wall_clock_s() : rules_.begin_s;
-  return begin_s + rules_.time_limit_s;
-}
-
-/// Whether a limit of the caller's ended it.
-bool ActiveSet::stopped() const {
-  const Ending ending = outcome_.ending;
-  return ending == Ending::kTimeLimit || (ending == Ending::kStepLimit && settings_.max_iterations > 0);
-}
-
-bool ActiveSet::is_too_late_for(double work) const {
-  return std::isfinite(rules_.time_limit_s) && !(wall_clock_s() + kTimeOfWork * work < deadline_s());
-}
-
-/// In 113 bits. What double refuses may be right: it is tested there before it is solved anew. What loading the engine
-/// will take is counted before it is done.
-/// @returns whether it has ended
-bool ActiveSet::climb(double* z, double* velocity) {
-  const double work = kQuadPrice * load_work(problem(), 0);
-  if (is_too_late_for(work)) {
-    outcome_.ending = Ending::kTimeLimit;
-    return true;
-  }
-  progress_.work += work;
-  if (progress_.work > progress_.most_work) return false;
-  second_->load(input_);
-  if (outcome_.ending == Ending::kRejected && second_->accepts(z, accepted())) {
-    outcome_.ending = Ending::kSolved;
-    return true;
-  }
-  if (std::isnan(rules_.begin_s)) rules_.begin_s = wall_clock_s();
-  progress_.detail = "quad stage";
-  return run(*second_, kQuadPrice, z, velocity);
-}
-
-/// The solve of a stage: the outcome counts the steps of all. @returns whether it has ended
-bool ActiveSet::run(active_set::Engine& engine, double price, double* z, double* velocity) {
-  const double left = std::ceil((progress_.most_work - progress_.work) / price);
-  rules_.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : active_set::Rules{}.max_work;
-  const active_set::Outcome next = engine.solve(rules_, z, velocity, farkas_.data());
-  progress_.work += price * static_cast<double>(next.work);
-  if (next.ending == Ending::kWorkLimit) {
-    if (outcome_.ending != Ending::kRejected) outcome_.ending = Ending::kStepLimit;
-    return false;
-  }
-  outcome_.ending = next.ending;
-  outcome_.has_velocity = next.has_velocity;
-  outcome_.is_singular = next.is_singular;
-  outcome_.steps += next.steps;
-  outcome_.factorizations += next.factorizations;
-  return true;
 }
 
 /// Whether the contacts of farkas_ prove that there is no solution.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -16,22 +15,14 @@
 
 namespace lcpbench {
 
-enum class ActiveSetPrecision { kDouble, kQuad, kLadder };
-
 struct ActiveSetSettings {
-  ActiveSetPrecision precision = ActiveSetPrecision::kLadder;
   double accept_residual = 3e-5;
   std::int64_t max_iterations = 0;
 
   void visit(auto&& field) {
-    field("precision", precision,
-          Choices<ActiveSetPrecision>{{{"double", ActiveSetPrecision::kDouble},
-                                       {"quad", ActiveSetPrecision::kQuad},
-                                       {"ladder", ActiveSetPrecision::kLadder}}},
-          "arithmetic; ladder: double, and quad where that fails");
     field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual, in double or better, is at most this times the scale of the "
-          "island; whatever is set, at most 5e-5 of the scale, or 1e-9 where the inertia may be singular");
+          "claim solved only when the velocity residual is at most this times the scale of the island; whatever is "
+          "set, at most 5e-5 of the scale, or 1e-9 where the inertia may be singular");
     field("max_iterations", max_iterations, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "contacts added to or dropped from the active set; 0: 20 (contacts + coordinates) + 100");
   }
@@ -52,7 +43,7 @@ struct ActiveSetSettings {
 /// kSolved: the answer passed the solver's own test; kUnsolvable: it is proven for the data as they are that some
 /// contacts approach whatever the impulses (FarkasSupport; `farkas` is that u, rounded); kIterationLimit, kTimeLimit;
 /// kNumericalFailure: the test failed, no such proof was found, or the inertia is not semidefinite or too close to
-/// singular for the precision. SolveRequest::start: its positive entries are the first active set.
+/// singular for double. SolveRequest::start: its positive entries are the first active set.
 class ActiveSet final : public BudgetedSolver {
  public:
   /// @param level instruction-set level of the engines; must not exceed best_isa_level().
@@ -62,7 +53,7 @@ class ActiveSet final : public BudgetedSolver {
 
   /// Budget::error has no effect: the method ends in an answer to rounding or in none.
   bool solve_within(const Budget& budget, Answer& answer) override;
-  double work() const override { return progress_.work; }
+  double work() const override { return static_cast<double>(outcome_.work); }
   double residual(const Answer& answer) override;
 
   /// What load() takes, in the units of work(). @param idle coordinates that no contact moves, which are left out
@@ -73,38 +64,21 @@ class ActiveSet final : public BudgetedSolver {
   void reserve(const Problem& problem);
 
  private:
-  /// Of one solve, over all its stages.
-  struct Progress {
-    double work = 0;
-    double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the solve ends
-    const char* detail = "";
-  };
-
   void on_load(const Problem& problem) override;
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
-  void reserve_last_stage(const active_set::Input& sizes);
   void describe(const ContactProblem& contact);
   void begin_solve(const Vector* start);
-  bool follow_stages(double* z, double* velocity);
-  bool climb(double* z, double* velocity);
-  bool run(active_set::Engine& engine, double price, double* z, double* velocity);
-  bool is_too_late_for(double work) const;
-  bool stopped() const;
-  double deadline_s() const;
   void finish(Answer& answer);
   bool is_disproved();
   double accepted() const;
 
   ActiveSetSettings settings_;
-  std::unique_ptr<active_set::Engine> first_;
-  std::unique_ptr<active_set::Engine> second_;  // the ladder's, in 113 bits
-  active_set::Input reserved_;                  // sizes that second_ has room for
+  std::unique_ptr<active_set::Engine> engine_;
 
-  Progress progress_;
-  active_set::Rules rules_;      // of the present stage
-  active_set::Outcome outcome_;  // of the last stage that ended; steps and factorizations of all
-  active_set::Input input_;      // points into the problem, or into what follows
+  active_set::Rules rules_;
+  active_set::Outcome outcome_;
+  active_set::Input input_;  // points into the problem, or into what follows
   DoubtfulInertia doubtful_;
   IslandNumbers islands_;  // found only where the inertia does not couple all
   GrowingVector v_;
@@ -115,7 +89,7 @@ class ActiveSet final : public BudgetedSolver {
   FarkasSupport farkas_support_;
 };
 
-/// In double. @throws std::invalid_argument when this processor lacks the level
+/// @throws std::invalid_argument when this processor lacks the level
 std::unique_ptr<active_set::Engine> make_active_set_engine(IsaLevel level);
 
 }  // namespace lcpbench

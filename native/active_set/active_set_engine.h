@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-// The border between the active-set solver and its engines, which are compiled once for baseline, once for AVX2 (packs
-// of 8 are slower here) and once in 113 bits. Only plain structs, pointers and virtual functions cross it, for the
-// reason that engine_border.h gives.
+// The border between the active-set solver and its engines, which are compiled once for baseline and once for AVX2
+// (packs of 8 are slower here). Only plain structs, pointers and virtual functions cross it, for the reason that
+// engine_border.h gives.
 
 namespace lcpbench::active_set {
 
@@ -51,18 +51,16 @@ enum class Ending {
   kStepLimit,
   kTimeLimit,
   kWorkLimit,
-  kBreakdown  ///< inertia indefinite, or singular to the precision of the engine; overflow
+  kBreakdown  ///< inertia indefinite, or singular to double; overflow
 };
 
-/// Of a solve and of those that it goes on from.
 struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t steps = 0;           ///< contacts added to or dropped from the active set, warm start included
   std::ptrdiff_t factorizations = 0;  ///< of a whole active set
-  /// Multiplications of the engine's numbers in vectors, and what takes as long; the whole test of the answer aside.
+  /// Multiplications in vectors, and what takes as long; the whole test of the answer aside.
   std::ptrdiff_t work = 0;
   bool has_velocity = false;  ///< the velocity that is written is that of the impulses: see VelocityTest
-  bool is_singular = false;   ///< the inertia was factored as singular
 };
 
 /// `update` and `solve` allocate nothing.
@@ -80,11 +78,10 @@ class Engine {
   /// Another velocity (ngc), which is copied, for the same contacts.
   virtual void update(const double* v) = 0;
   /// Writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible: u >= 0
-  /// with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
+  /// with N u in null(G) and (N'v + b)'u < 0, to rounding.
   virtual Outcome solve(const Rules& rules, double* z, double* velocity, double* u) = 0;
-  /// The test that solve() makes of its own answer, for any z (nc).
-  virtual bool accepts(const double* z, double accept_residual) = 0;
-  /// What that test leaves, of the worst island relative to its scale, without a bound on its rounding.
+  /// The residual of z (nc) in the test that solve() makes of its own answer, of the worst island relative to its
+  /// scale, without a bound on its rounding.
   virtual double residual(const double* z) = 0;
 };
 
@@ -95,9 +92,5 @@ Engine* create_engine();
 namespace avx2 {
 Engine* create_engine();
 }  // namespace avx2
-/// In 113 bits.
-namespace quad {
-Engine* create_engine();
-}  // namespace quad
 
 }  // namespace lcpbench::active_set

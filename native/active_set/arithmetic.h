@@ -36,37 +36,33 @@ using Lanes = lemke::LCPBENCH_LEVEL::Packed<Scalar>;
 // Arrays below have a length that is a multiple of the register's width, zero beyond their content.
 
 /// y += factor x for an x that is not padded.
-template <class Scalar>
-inline void add_unpadded_multiple(Scalar* y, Scalar factor, const double* x, Count size) {
+inline void add_unpadded_multiple(double* y, double factor, const double* x, Count size) {
+  using L = Lanes<double>;
+  const auto broadcast = L::broadcast(factor);
   Count i = 0;
-  if constexpr (sizeof(Scalar) == sizeof(double)) {
-    using L = Lanes<double>;
-    const auto broadcast = L::broadcast(factor);
-    for (; i + L::kWidth <= size; i += L::kWidth) L::store(y + i, L::load(y + i) + broadcast * L::load(x + i));
-  }
-  for (; i < size; ++i) y[i] += factor * static_cast<Scalar>(x[i]);
+  for (; i + L::kWidth <= size; i += L::kWidth) L::store(y + i, L::load(y + i) + broadcast * L::load(x + i));
+  for (; i < size; ++i) y[i] += factor * x[i];
 }
 
 /// Row i -= (row[i] / pivot) row for the rows after `k` of a symmetric matrix with more columns to its right, in the
 /// kPacks registers from `first` on, of which those of row k stay registers.
-template <int kPacks, class Scalar>
-inline void eliminate_below(Scalar* A, Count stride, Count k, Count count, Count first, Scalar inverse_pivot) {
-  using L = Lanes<Scalar>;
-  const Scalar* pivot_row = A + k * stride;
-  typename L::Pack pivots[static_cast<unsigned>(kPacks)];
+template <int kPacks>
+inline void eliminate_below(double* A, Count stride, Count k, Count count, Count first, double inverse_pivot) {
+  using L = Lanes<double>;
+  const double* pivot_row = A + k * stride;
+  L::Pack pivots[static_cast<unsigned>(kPacks)];
   for (int p = 0; p < kPacks; ++p) pivots[p] = L::load(pivot_row + first + p * L::kWidth);
   for (Count i = k + 1; i < count; ++i) {
     const auto factor = L::broadcast(-pivot_row[i] * inverse_pivot);
-    Scalar* row = A + i * stride + first;
+    double* row = A + i * stride + first;
     for (int p = 0; p < kPacks; ++p) L::store(row + p * L::kWidth, L::load(row + p * L::kWidth) + factor * pivots[p]);
   }
 }
 
 /// The same in all registers from `first` on.
-template <class Scalar>
-[[gnu::always_inline]] inline void eliminate_rows_below(Scalar* A, Count stride, Count k, Count count, Count first,
-                                                        Scalar inverse_pivot) {
-  using L = Lanes<Scalar>;
+[[gnu::always_inline]] inline void eliminate_rows_below(double* A, Count stride, Count k, Count count, Count first,
+                                                        double inverse_pivot) {
+  using L = Lanes<double>;
   constexpr int kMostPacks = 4;
   for (; stride - first > kMostPacks * L::kWidth; first += kMostPacks * L::kWidth) {
     eliminate_below<kMostPacks>(A, stride, k, count, first, inverse_pivot);
@@ -79,22 +75,19 @@ template <class Scalar>
   }
 }
 
-template <class Scalar>
-inline void set_zero(Scalar* x, Count size) {
-  using L = Lanes<Scalar>;
+inline void set_zero(double* x, Count size) {
+  using L = Lanes<double>;
   for (Count i = 0; i < size; i += L::kWidth) L::store(x + i, L::broadcast(0));
 }
 
 /// y = start + sum of the `count` rows of A, each times its factor; `stride` from row to row. `start` may be y.
-template <class Scalar>
-inline void combine_rows(Scalar* y, const Scalar* start, const Scalar* A, Count stride, const Scalar* factors,
+inline void combine_rows(double* y, const double* start, const double* A, Count stride, const double* factors,
                          Count count, Count size) {
   lemke::LCPBENCH_LEVEL::combine_onto(A, stride, count, factors, start, y, size);
 }
 
 /// False for NaN and infinity.
-template <class Scalar>
-inline bool finite(Scalar x) {
+inline bool finite(double x) {
   return x - x == 0;
 }
 

@@ -1,9 +1,8 @@
 #pragma once
 
-#include "native/active_set/velocity_test.h"
+#include "native/active_set/orthogonal_basis.h"
+#include "native/active_set/steps.h"
 #include "native/active_set/whitening.h"
-#include "native/active_set/yielding_contacts.h"
-#include "native/active_set/yielding_friction.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
@@ -16,149 +15,195 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// active ones takes the place of one of them, or shows that nothing is feasible.
 ///
 /// slack_, the normal velocities N'u + b, is carried along instead of y. Per step O(ngc (nc + active)).
-///
-/// Contacts with compliance are solved by YieldingContacts in its place, and tested alike; those with friction too by
-/// YieldingFriction, and not tested.
-template <class Scalar>
-class DualMethod final : public Engine {
-  using L = Lanes<Scalar>;
+class DualMethod {
+  using L = Lanes<double>;
 
  public:
-  void reserve(const Input& input) override {
-    if (input.mu != nullptr) friction_.reserve(input.ngc, input.nc);
-    const Count factors = Whitening<Scalar>::root_factors(input);
-    if (input.ngc <= reserved_.ngc && input.nc <= reserved_.nc && factors <= reserved_.factors &&
-        input.soft <= reserved_.soft) {
-      return;
-    }
-    reserved_.soft = input.soft > reserved_.soft ? input.soft : reserved_.soft;
-    reserved_.ngc = input.ngc > reserved_.ngc ? input.ngc : reserved_.ngc;
-    reserved_.nc = input.nc > reserved_.nc ? input.nc : reserved_.nc;
-    reserved_.factors = factors > reserved_.factors ? factors : reserved_.factors;
-    whitening_.reserve(reserved_.ngc, reserved_.nc, reserved_.factors);
-    const Count contacts = L::padded(reserved_.nc);
-    const Count most = reserved_.ngc < reserved_.nc ? reserved_.ngc : reserved_.nc;
-    const Count pressing = reserved_.soft > most ? reserved_.soft : most;
-    const Count vectors = L::padded(reserved_.ngc);
-    resize_all(vectors + 1, v_, y0_, change_, velocity_, rest_);
-    resize_all(contacts + 1, given_, slack_, weight_, merit_, impulse_);
-    resize_all(pressing + 2, active_impulse_, share_, coefficients_, remaining_);
-    resize_all(reserved_.nc + 1, active_, is_moved_);  // islands have contacts: there are no more of them
-    basis_.reserve(vectors, most);
-    if (reserved_.soft > 0) yielding_.reserve(reserved_.ngc, reserved_.soft);
-    test_.reserve(reserved_.ngc, reserved_.nc);
+  explicit DualMethod(Whitening& whitening) : whitening_(whitening) {}
+
+  /// Room for all problems that are not larger.
+  void reserve(Count ngc, Count nc) {
+    const Count most = ngc < nc ? ngc : nc;
+    resize_all(L::padded(nc) + 1, slack_, weight_, merit_);
+    resize_all(most + 2, active_, active_impulse_, share_, coefficients_);
+    resize_all(L::padded(ngc) + 1, rest_, change_);
+    basis_.reserve(L::padded(ngc), most);
   }
 
-  void load(const Input& input) override {
-    reserve(input);
-    b_ = input.b;
-    mu_ = input.mu;
-    usable_ = whitening_.load(input);
-    if (usable_) test_.load(input);
-    island_of_contact_ = input.island_of_contact;
-    island_of_coordinate_ = input.island_of_coordinate;
-    update(input.v);
-  }
-
-  void update(const double* v) override {
-    const Count ngc = whitening_.ngc();
-    widen(v, ngc, v_.data());
-    if (!usable_) return;
-    set_zero(given_.data(), whitening_.contact_lanes());
-    combine_rows(given_.data(), given_.data(), whitening_.normals(0), whitening_.contact_lanes(), v_.data(), ngc,
-                 whitening_.contact_lanes());
-    for (Count j = 0; b_ != nullptr && j < whitening_.nc(); ++j) given_[j] += static_cast<Scalar>(b_[j]);
-    auto approach = L::broadcast(static_cast<Scalar>(ContactScale<Scalar>::kLeast)), speed = approach;
-    for (Count j = 0; j < whitening_.contact_lanes(); j += L::kWidth) {
-      const auto given = L::load(given_.data() + j);
-      approach = L::max(-given, approach);
-      speed = L::max(L::max(given, -given), speed);
-    }
-    scale_ = finite(L::max(speed)) ? L::max(approach) : kInfinity<Scalar>;
-    if (whitening_.triangular()) whitening_.whiten_velocity(v_.data(), y0_.data());
-  }
-
-  Outcome solve(const Rules& rules, double* z, double* velocity, double* u) override {
-    if (!usable_) return {};
-    begin_s_ = rules.begin_s;
-    Outcome outcome;
-    outcome.work = kWorkOfShortestSolve;
-    start();
-    if (whitening_.is_soft()) {
-      yielding_.begin(given_.data(), rules.start);
-    } else if (rules.start != nullptr) {
-      warm_start(rules, outcome);
-    }
-    if (mu_ != nullptr) return yield_with_friction(rules, outcome, z);
-    outcome.ending = whitening_.is_soft() ? yield(rules, outcome) : iterate(rules, outcome);
-    if (outcome.ending == Ending::kInfeasible) write_farkas(u);
-    if (outcome.ending != Ending::kSolved) return outcome;
-    if (whitening_.is_soft()) {
-      take_yielding();
-    } else if constexpr (kLastPrecision) {
-      polish(outcome);
-    } else {
-      find_active_impulses();
-    }
-    if (!write_answer(z, velocity)) {
-      outcome.ending = Ending::kBreakdown;
-    } else if (!passes(pressing_, rules.accept_residual, velocity_.data(), change_.data())) {
-      outcome.ending = Ending::kRejected;
-    }
-    outcome.is_singular = !whitening_.triangular();
-    outcome.has_velocity = outcome.ending != Ending::kBreakdown &&
-                           (test_.is_far_from_underflow() || keeps_digits()) &&
-                           test_.holds_velocity(answer(velocity_.data(), change_.data()));
-    return outcome;
-  }
-
-  bool accepts(const double* z, double accept_residual) override {
-    return usable_ && passes(take_impulses(z), accept_residual, nullptr, nullptr);
-  }
-
-  /// @pre no solve is to go on
-  double residual(const double* z) override {
-    if (!usable_) return __builtin_inf();
-    const Count pressed = take_impulses(z);
-    return test_.residual(answer(nullptr, nullptr), active_.data(), pressed);
-  }
-
- private:
-  static constexpr Count kStepsPerClockReading = 16;
-  static constexpr Count kWorkOfShortestSolve = 9000;
-  static constexpr Count kWorkOfStep = 1000;
-  static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
-
-  Count lanes() const { return whitening_.velocity_lanes(); }
-  Count contact_lanes() const { return whitening_.contact_lanes(); }
-
-  // --- the iteration ---
-
-  void start() {
-    clear_basis();
-    copy(slack_.data(), given_.data(), contact_lanes());
+  /// From v, with no contact active. The arrays must outlive the solve.
+  /// @param y0  C v, where G has a factor C
+  /// @param given  N'v + b
+  /// @param b  nullptr: zero
+  void begin(const double* v, const double* y0, const double* given, const double* b) {
+    v_ = v;
+    y0_ = y0;
+    given_ = given;
+    b_ = b;
+    basis_.clear(lanes(), most_active());
+    copy(slack_.data(), given_, contact_lanes());
     copy(weight_.data(), whitening_.weights(), contact_lanes());
-    const Scalar noise = whitening_.noise();
-    violation_threshold_ = noise * noise * squared_scale();
+    squared_scale_ = whitening_.triangular() ? dot(y0_, y0_, lanes()) : 0.0;
+    if (!whitening_.triangular() || b_ != nullptr) {
+      const double merit = measure_merits();
+      squared_scale_ = merit > squared_scale_ ? merit : squared_scale_;
+    }
   }
-
-  Count most_active() const { return whitening_.ngc() < whitening_.nc() ? whitening_.ngc() : whitening_.nc(); }
-
-  void clear_basis() { basis_.clear(lanes(), most_active()); }
 
   /// The scale of squared distances to half-spaces: |v|_G^2 if G has a factor C. Without C, or with an offset, at least
   /// the largest squared distance at v to a half-space that is violated.
-  Scalar squared_scale() {
-    Scalar largest = whitening_.triangular() ? dot(y0_.data(), y0_.data(), lanes()) : Scalar(0);
-    if (whitening_.triangular() && b_ == nullptr) return largest;
-    measure_merits();
-    for (Count j = 0; j < whitening_.nc(); ++j) largest = merit_[j] > largest ? merit_[j] : largest;
-    return largest;
+  double squared_scale() const { return squared_scale_; }
+  /// The largest squared distance to a half-space that counts as rounding.
+  double threshold() const { return whitening_.noise() * whitening_.noise() * squared_scale_; }
+
+  /// Takes in the contacts with a positive entry (nc), less those that would be pulled. @returns how many these are
+  Count warm_start(const double* start) {
+    Count dropped = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      if (start[j] > 0) append_independent(j);
+    }
+    for (;; ++dropped) {
+      find_impulses();
+      Count most_pulled = -1;
+      double least = 0;
+      for (Count k = 0; k < basis_.size(); ++k) {
+        if (!(active_impulse_[k] < least)) continue;
+        least = active_impulse_[k];
+        most_pulled = k;
+      }
+      if (most_pulled < 0) break;
+      drop(most_pulled);
+    }
+    add_to_slack(given_, change_.data());
+    return dropped;
+  }
+
+  /// The method, with the step numbers of the paper's section 3. kSolved: then find_impulses() has the solution.
+  /// kInfeasible: then write_farkas() has the proof.
+  Ending solve(Steps& steps) {
+    if (immovable_contact_is_violated()) return Ending::kInfeasible;
+    const double noise = whitening_.noise();
+    for (;;) {
+      // Step 1. The most violated contact enters. Where there is none, this is the solution.
+      entering_ = most_violated();
+      if (entering_ < 0) return Ending::kSolved;
+      weight_[entering_] = 0;
+      double entering_impulse = 0;
+      for (bool is_full_step = false; !is_full_step;) {
+        if (const Ending limit = steps.next(); limit != Ending::kSolved) return limit;
+        steps.add_work(basis_.size() * (4 * lanes() + basis_.size()) + (whitening_.rank() + 4) * contact_lanes());
+
+        // Step 2a. The step directions: of y what the active normals leave of the entering one, rest_ (z of the paper);
+        // of the impulses its coordinates in the active ones, share_ (r of the paper).
+        const double squared_norm = whitening_.squared_norm(entering_);
+        const double left =
+            basis_.split(whitening_.normal(entering_), squared_norm, coefficients_.data(), rest_.data());
+        for (Count k = 0; k < basis_.size(); ++k) share_[k] = coefficients_[k];
+        basis_.solve(share_.data());
+        const bool is_independent = basis_.size() < most_active() && left > noise * noise * squared_norm;
+
+        // Step 2b. The step length: the partial step t1, at which the impulse of an active contact comes to zero, or
+        // the full step t2, at which the entering contact is on its boundary.
+        Count leaving = -1;
+        double partial = kInfinity<double>;
+        for (Count k = 0; k < basis_.size(); ++k) {
+          if (share_[k] > 0 && (leaving < 0 || active_impulse_[k] < partial * share_[k])) {
+            partial = active_impulse_[k] / share_[k];
+            leaving = k;
+          }
+        }
+        const double full = is_independent ? -slack_[entering_] / left : kInfinity<double>;
+
+        // Step 2c (i). Neither exists: nothing is feasible, unless the violation is rounding. A positive definite
+        // inertia leaves nothing infeasible without an offset. If the violation is no rounding, the test of the answer
+        // finds it.
+        if (!is_independent && leaving < 0) {
+          if ((!whitening_.triangular() || b_ != nullptr) && proves_infeasible()) return Ending::kInfeasible;
+          break;
+        }
+
+        // Step 2c (ii, iii). The step, in the impulses alone where the entering normal depends on the active ones.
+        is_full_step = !(partial < full);
+        const double length = is_full_step ? full : partial;
+        if (!finite(length)) return Ending::kBreakdown;
+        for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] -= length * share_[k];
+        entering_impulse += length;
+        if (is_independent) move(length);
+        if (is_full_step) {
+          active_[basis_.size()] = entering_;
+          active_impulse_[basis_.size()] = entering_impulse;
+          basis_.append(coefficients_.data(), rest_.data(), left);
+        } else {
+          drop(leaving);
+        }
+      }
+    }
+  }
+
+  /// change() = y - y0 with y the projection on the active contacts' boundaries, and the impulses that do it.
+  void find_impulses() {
+    double* const c = coefficients_.data();
+    if (whitening_.triangular() && b_ == nullptr) {
+      for (Count k = 0; k < basis_.size(); ++k) c[k] = -dot(basis_.q(k), y0_, lanes());
+    } else {
+      for (Count k = 0; k < basis_.size(); ++k) c[k] = -given_[active_[k]];
+      basis_.solve_transposed(c);
+    }
+    set_zero(change_.data(), lanes());
+    combine_rows(change_.data(), change_.data(), basis_.q(0), lanes(), c, basis_.size(), lanes());
+    for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] = c[k];
+    basis_.solve(active_impulse_.data());
+  }
+
+  // The active set, after find_impulses().
+
+  Count count() const { return basis_.size(); }
+  Count contact(Count k) const { return active_[k]; }
+  double impulse(Count k) const { return active_impulse_[k]; }
+  /// Coordinate k of change() in an orthonormal basis of the active normals.
+  double coordinate(Count k) const { return coefficients_[k]; }
+  const double* change() const { return change_.data(); }
+
+  /// u of Engine::solve(): 1 for the entering contact and, unless nothing moves that, -share_ for the active ones, none
+  /// of whose shares is positive then. @pre Ending::kInfeasible
+  void write_farkas(double* u) const {
+    for (Count j = 0; j < whitening_.nc(); ++j) u[j] = 0;
+    u[entering_] = 1;
+    if (!(whitening_.squared_norm(entering_) > 0)) return;
+    for (Count k = 0; k < basis_.size(); ++k) u[active_[k]] = share_[k] < 0 ? -share_[k] : 0;
+  }
+
+ private:
+  Count lanes() const { return whitening_.velocity_lanes(); }
+  Count contact_lanes() const { return whitening_.contact_lanes(); }
+  Count most_active() const { return whitening_.ngc() < whitening_.nc() ? whitening_.ngc() : whitening_.nc(); }
+
+  /// Contacts that no impulse moves: violated ones stay so.
+  bool immovable_contact_is_violated() {
+    if (whitening_.triangular() && b_ == nullptr) return false;  // their normals are zero, and so is their velocity
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      if (whitening_.squared_norm(j) > 0) continue;
+      if (given_[j] >= -whitening_.noise() * velocity_terms(j)) continue;
+      entering_ = j;
+      return true;
+    }
+    return false;
+  }
+
+  /// The contact that is furthest from its half-space; -1: none by more than rounding. NaN counts as none.
+  Count most_violated() {
+    const double largest = measure_merits();
+    if (!(largest > threshold())) return -1;
+    Count contact = 0;  // the lowest of equals; without a branch, which would be mispredicted
+    for (Count j = contact_lanes() - L::kWidth; j >= 0; j -= L::kWidth) {
+      const std::uint64_t equals = lanes_where<double>(L::load(merit_.data() + j) == L::broadcast(largest));
+      contact = equals != 0 ? j + __builtin_ctzll(equals) : contact;
+    }
+    return contact;
   }
 
   /// merit_ = squared distance to the half-space where that is violated, else 0; 0 for active contacts. @returns
   /// largest
-  Scalar measure_merits() {
+  double measure_merits() {
     const auto zero = L::broadcast(0);
     auto largest = zero;
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) {
@@ -170,192 +215,39 @@ class DualMethod final : public Engine {
     return L::max(largest);
   }
 
-  /// The contact that is furthest from its half-space; -1: none by more than rounding. NaN counts as none.
-  Count most_violated() {
-    const Scalar largest = measure_merits();
-    if (!(largest > violation_threshold_)) return -1;
-    Count contact = 0;  // the lowest of equals; without a branch, which would be mispredicted
-    for (Count j = contact_lanes() - L::kWidth; j >= 0; j -= L::kWidth) {
-      const std::uint64_t equals = lanes_where<Scalar>(L::load(merit_.data() + j) == L::broadcast(largest));
-      contact = equals != 0 ? j + __builtin_ctzll(equals) : contact;
-    }
-    return contact;
-  }
-
-  Ending iterate(const Rules& rules, Outcome& outcome) {
-    if (immovable_contact_is_violated()) return Ending::kInfeasible;
-    for (bool added = true;;) {  // the last contact that enters
-      if (added) {
-        const Count contact = most_violated();
-        if (contact < 0) return Ending::kSolved;
-        entering_contact_ = contact;
-        entering_impulse_ = 0;
-        weight_[contact] = 0;
-      }
-      added = false;  // also where a limit ends this
-      if (const Ending limit = next_step(rules, outcome); limit != Ending::kSolved) return limit;
-      count_step(outcome);
-      const Ending ending = step(added);
-      if (ending != Ending::kSolved) return ending;
-    }
-  }
-
-  /// Counts a step, unless a limit forbids it.
-  Ending next_step(const Rules& rules, Outcome& outcome) {
-    if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
-    if (outcome.work >= rules.max_work) return Ending::kWorkLimit;
-    if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
-      return Ending::kTimeLimit;
-    }
-    ++outcome.steps;
-    return Ending::kSolved;
-  }
-
-  /// The iteration of contacts that yield.
-  Ending yield(const Rules& rules, Outcome& outcome) {
-    using Step = typename YieldingContacts<Scalar>::Step;
-    for (Step step = Step::kTaken; step != Step::kLast;) {
-      if (const Ending limit = next_step(rules, outcome); limit != Ending::kSolved) return limit;
-      ++outcome.factorizations;
-      outcome.work += yielding_.work() + kWorkOfStep;
-      step = yielding_.step(violation_threshold_);
-      if (step == Step::kFailed) return Ending::kBreakdown;
-    }
-    return Ending::kSolved;
-  }
-
-  /// That of contacts that yield and have friction.
-  Outcome yield_with_friction(const Rules& rules, Outcome outcome, double* z) {
-    if (!friction_.resolves(static_cast<Scalar>(rules.accept_residual))) return outcome;
-    friction_.begin(given_.data(), mu_);
-    if (!finite(friction_.left())) return outcome;
-    const Scalar most = static_cast<Scalar>(rules.accept_residual) * static_cast<Scalar>(rules.accept_residual);
-    for (outcome.ending = Ending::kSolved; friction_.left() > most * squared_scale();) {
-      outcome.ending = next_step(rules, outcome);
-      if (outcome.ending != Ending::kSolved) return outcome;
-      ++outcome.factorizations;
-      if (!friction_.step()) outcome.ending = Ending::kBreakdown;
-      if (outcome.ending != Ending::kSolved) return outcome;
-    }
-    for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(friction_.impulse(j));
-    return outcome;
-  }
-
-  void take_yielding() {
-    pressing_ = yielding_.count();
-    copy(change_.data(), yielding_.change(), lanes());
-    for (Count k = 0; k < pressing_; ++k) {
-      active_[k] = yielding_.contact(k);
-      active_impulse_[k] = static_cast<Scalar>(static_cast<double>(yielding_.impulse(k)));  // as they are returned
-      if (active_impulse_[k] < 0) {  // rounding, and returned as zero: the velocity is that of the others
-        add_multiple(change_.data(), -active_impulse_[k], whitening_.normal(active_[k]), lanes());
-        active_impulse_[k] = 0;
-      }
-      coefficients_[k] = active_impulse_[k] * square_root(whitening_.squared_norm(active_[k]));
-    }
-  }
-
-  /// With the time that no product takes.
-  void count_step(Outcome& outcome) const {
-    const Count active = basis_.size();
-    outcome.work += active * (4 * lanes() + active) + (whitening_.rank() + 4) * contact_lanes() + kWorkOfStep;
-  }
-
-  bool expired(const Rules& rules) {
-    if (!(rules.time_limit_s < kInfinity<double>)) return false;
-    const double now_s = rules.clock_s();
-    if (!(begin_s_ <= now_s)) begin_s_ = now_s;
-    return !(now_s - begin_s_ < rules.time_limit_s);
-  }
-
-  /// Contacts that no impulse moves: violated ones stay so.
-  bool immovable_contact_is_violated() {
-    if (whitening_.triangular() && b_ == nullptr) return false;  // their normals are zero, and so is their velocity
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      if (whitening_.squared_norm(j) > 0) continue;
-      if (given_[j] >= -whitening_.noise() * velocity_terms(j)) continue;
-      entering_contact_ = j;
-      return true;
-    }
-    return false;
-  }
-
-  /// Sum of the magnitudes of what N_j'v + b_j adds up.
-  Scalar velocity_terms(Count j) const {
-    Scalar terms = b_ != nullptr ? magnitude(static_cast<Scalar>(b_[j])) : Scalar(0);
-    for (Count i = 0; i < whitening_.ngc(); ++i) terms += magnitude(whitening_.normals(i)[j] * v_[i]);
-    return terms;
-  }
-
   /// Whether the entering contact and the active ones that its normal depends on, u >= 0 with N u in null(G), have
   /// (N'v + b)'u < 0 by more than rounding. Where it is rounding, most often at v+ = 0, where all contacts rest, the
   /// violation is rounding too.
-  bool proves_infeasible() {
-    constexpr double kRoundings = kLastPrecision ? 0x1p20 : 1;  // the last precision has digits to spare
-    Scalar value = given_[entering_contact_];
-    Scalar terms = velocity_terms(entering_contact_);
+  bool proves_infeasible() const {
+    double value = given_[entering_];
+    double terms = velocity_terms(entering_);
     for (Count k = 0; k < basis_.size(); ++k) {
       value -= share_[k] * given_[active_[k]];
       terms -= share_[k] * velocity_terms(active_[k]);
     }
-    return value < -static_cast<Scalar>(kRoundings) * whitening_.noise() * terms;
+    return value < -whitening_.noise() * terms;
   }
 
-  /// Moves towards the entering contact's boundary until there (added), or until an active contact lets go.
-  Ending step(bool& added) {
-    const Scalar squared_norm = whitening_.squared_norm(entering_contact_);
-    const Scalar left =
-        basis_.split(whitening_.normal(entering_contact_), squared_norm, coefficients_.data(), rest_.data());
-    for (Count k = 0; k < basis_.size(); ++k) share_[k] = coefficients_[k];
-    basis_.solve(share_.data());
-    const Scalar noise = whitening_.noise();
-    const bool independent = basis_.size() < most_active() && left > noise * noise * squared_norm;
-
-    Count leaving = -1;
-    Scalar partial = kInfinity<Scalar>;
-    for (Count k = 0; k < basis_.size(); ++k) {
-      if (share_[k] > 0 && (leaving < 0 || active_impulse_[k] < partial * share_[k])) {
-        partial = active_impulse_[k] / share_[k];
-        leaving = k;
-      }
-    }
-    if (!independent && leaving < 0) {
-      // A positive definite inertia leaves nothing infeasible without an offset. If the violation is no rounding, the
-      // test at the end finds it.
-      if ((!whitening_.triangular() || b_ != nullptr) && proves_infeasible()) return Ending::kInfeasible;
-      added = true;
-      return Ending::kSolved;
-    }
-    const Scalar full = independent ? -slack_[entering_contact_] / left : kInfinity<Scalar>;
-    added = !(partial < full);
-    const Scalar length = added ? full : partial;
-    if (!finite(length)) return Ending::kBreakdown;
-    for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] -= length * share_[k];
-    entering_impulse_ += length;
-    if (independent) move(length);
-    if (added) {
-      add_entering(left);
-    } else {
-      drop(leaving);
-    }
-    return Ending::kSolved;
+  /// Sum of the magnitudes of what N_j'v + b_j adds up.
+  double velocity_terms(Count j) const {
+    double terms = b_ != nullptr ? magnitude(b_[j]) : 0.0;
+    for (Count i = 0; i < whitening_.ngc(); ++i) terms += magnitude(whitening_.normals(i)[j] * v_[i]);
+    return terms;
   }
 
   /// y += length * rest_, of which slack_ alone is kept.
-  void move(Scalar length) {
+  void move(double length) {
     const auto factor = L::broadcast(length);
     for (Count i = 0; i < lanes(); i += L::kWidth) {
       L::store(change_.data() + i, factor * L::load(rest_.data() + i));
     }
-    combine_rows(slack_.data(), slack_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
-                 whitening_.rank(), contact_lanes());
+    add_to_slack(slack_.data(), change_.data());
   }
 
-  void add_entering(Scalar left) {
-    const Count k = basis_.size();
-    active_[k] = entering_contact_;
-    active_impulse_[k] = entering_impulse_;
-    basis_.append(coefficients_.data(), rest_.data(), left);
+  /// slack_ = start + W'change
+  void add_to_slack(const double* start, const double* change) {
+    combine_rows(slack_.data(), start, whitening_.row(0), whitening_.row_stride(), change, whitening_.rank(),
+                 contact_lanes());
   }
 
   void drop(Count k) {
@@ -367,120 +259,37 @@ class DualMethod final : public Engine {
     }
   }
 
-  // --- a given active set ---
-
   /// Appends `contact` to the active set unless its normal depends on those in it.
-  bool append_independent(Count contact);
-
-  /// The active set from the last time step, less the contacts that it would pull.
-  void warm_start(const Rules& rules, Outcome& outcome);
-
-  /// change_ = y - y0 with y the projection on the active contacts' boundaries, active_impulse_ = the impulses that do
-  /// it.
-  void find_active_impulses();
-
-  void add_change_to_slack() {
-    combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
-                 whitening_.rank(), contact_lanes());
+  void append_independent(Count contact) {
+    if (basis_.size() >= most_active()) return;
+    const double squared_norm = whitening_.squared_norm(contact);
+    const double noise = whitening_.noise();
+    const double left = basis_.split(whitening_.normal(contact), squared_norm, coefficients_.data(), rest_.data());
+    if (!(left > noise * noise * squared_norm)) return;
+    active_[basis_.size()] = contact;
+    basis_.append(coefficients_.data(), rest_.data(), left);
+    weight_[contact] = 0;
   }
 
-  // --- the end ---
-
-  /// find_active_impulses() with the active normals factored afresh: free of what exchanges left in the factors.
-  ///
-  /// The contact comes next whose impulse moves the least: the impulses are rounded to double one by one so that the
-  /// last to be rounded, which nothing makes up for, does the least harm. With normals that nearly depend on each
-  /// other, impulses of 1e12 N s can leave a velocity of zero, and rounding each for itself would move it visibly.
-  void polish(Outcome& outcome);
-
-  void exchange(Count i, Count j) {
-    swap(active_[i], active_[j]);
-    swap(remaining_[i], remaining_[j]);
-    swap(active_impulse_[i], active_impulse_[j]);
-  }
-
-  /// Puts the contacts with an impulse into active_. @returns how many
-  Count take_impulses(const double* z);
-
-  /// False when it is not finite.
-  bool write_answer(double* z, double* velocity);
-
-  void compute_velocity();
-
-  /// What no impulse moves has the velocity that was given, without any rounding.
-  void keep_unmoved_velocity();
-
-  /// Whether no velocity, in the metric of the inertia, is so small that underflow takes digits that count: a body of
-  /// 1e-55 kg at 1e-320 m/s would stand still, though no impulse stops it. @pre find_active_impulses()
-  [[gnu::noinline]] bool keeps_digits() const;
-
-  /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
-  bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
-    return test_.passes(answer(velocity, whitened_change), active_.data(), pressed, static_cast<Scalar>(limit));
-  }
-
-  typename VelocityTest<Scalar>::Answer answer(const Scalar* velocity, const Scalar* whitened_change) {
-    return {.v = v_.data(),
-            .given = given_.data(),
-            .scale = scale_,
-            .impulse = impulse_.data(),
-            .slack = slack_.data(),
-            .velocity = velocity,
-            .whitened_change = whitened_change};
-  }
-
-  /// u of Engine::solve(): 1 for the entering contact and, unless nothing moves that, -share_ for the active ones, none
-  /// of whose shares is positive then. @pre Ending::kInfeasible
-  void write_farkas(double* u);
-
-  /// The largest dimensions so far: problems that are not larger need no memory.
-  struct Dimensions {
-    Count ngc = -1;
-    Count nc = -1;
-    Count factors = -1;  ///< of SemidefiniteRoot
-    Count soft = 0;
-  };
-
-  Dimensions reserved_;
-  const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
-  const Count* island_of_coordinate_ = nullptr;
-  Whitening<Scalar> whitening_;
-  OrthogonalBasis<Scalar> basis_;  // of the active normals
-  YieldingContacts<Scalar> yielding_{whitening_};
-  YieldingFriction<Scalar> friction_{whitening_};
-  bool usable_ = false;
+  Whitening& whitening_;
+  const double* v_ = nullptr;
+  const double* y0_ = nullptr;
+  const double* given_ = nullptr;
   const double* b_ = nullptr;  // nullptr: zero
-  const double* mu_ = nullptr;  // nullptr: no friction
-  double begin_s_ = 0;  // of the solve, on its clock; NaN until that is read
-  Scalar violation_threshold_ = 0;  // of merit_
+  double squared_scale_ = 0;
 
-  Buffer<Scalar> v_;      // ngc
-  Buffer<Scalar> given_;  // N'v + b
-  Scalar scale_ = 0;      // the largest approach in it; infinite where an entry is
-  Buffer<Scalar> y0_;     // C v
-  Buffer<Scalar> slack_;
-  Buffer<Scalar> merit_;  // see measure_merits()
-  Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
+  Buffer<double> slack_;   // by contact
+  Buffer<double> weight_;  // 1 / |W_j|^2, 0 for active contacts
+  Buffer<double> merit_;   // see measure_merits()
 
-  Buffer<bool> is_moved_;  // by island
-  Count pressing_ = 0;     // of active_, at the end
+  OrthogonalBasis basis_;  // of the active normals
   Buffer<Count> active_;
-  Buffer<Scalar> active_impulse_;  // impulses of the active contacts
-  Buffer<Scalar> remaining_;
-
-  Count entering_contact_ = 0;
-  Scalar entering_impulse_ = 0;
-  Buffer<Scalar> coefficients_;
-  Buffer<Scalar> share_;  // of the entering normal in the active ones: R^-1 Q' of it
-  Buffer<Scalar> rest_;
-
-  Buffer<Scalar> change_;  // y - y0; during the iteration that of one step
-  Buffer<Scalar> velocity_;
-  Buffer<Scalar> impulse_;  // by contact
-
-  VelocityTest<Scalar> test_{whitening_};
+  Buffer<double> active_impulse_;
+  Count entering_ = 0;
+  Buffer<double> coefficients_;
+  Buffer<double> share_;   // of the entering normal in the active ones: R^-1 Q' of it
+  Buffer<double> rest_;
+  Buffer<double> change_;  // y - y0; during the iteration that of one step
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL
-
-#include "native/active_set/dual_method_end.h"

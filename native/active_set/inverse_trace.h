@@ -7,9 +7,8 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// The trace of S^-1, where S is G = C'C scaled to unit diagonal and C is upper triangular: the sum of the squares of
 /// the entries of C^-T diag(G)^(1/2). But for rounding, never less than the spectral norm of S^-1. O(ngc^3 / 6); for a
 /// block diagonal C, O(ngc^2) to find the blocks and O(ngc) times the square of their order.
-template <class Scalar>
 class InverseTrace {
-  using L = Lanes<Scalar>;
+  using L = Lanes<double>;
 
  public:
   /// Room for all G that are not larger.
@@ -20,8 +19,8 @@ class InverseTrace {
   /// @param rows  of C, `stride` from one to the next; read right of the diagonal only
   /// @param inverse_diagonal, root_diagonal  1 / C_ii and G_ii^(1/2)
   /// @pre reserve()
-  Scalar of(const Scalar* rows, Count stride, const Scalar* inverse_diagonal, const Scalar* root_diagonal, Count ngc) {
-    Scalar trace = 0;
+  double of(const double* rows, Count stride, const double* inverse_diagonal, const double* root_diagonal, Count ngc) {
+    double trace = 0;
     for (Count begin = 0; begin < ngc;) {
       const Count end = block_end(rows, stride, begin, ngc);
       trace += of_block(rows, stride, inverse_diagonal, root_diagonal, begin, end, L::padded(ngc));
@@ -32,10 +31,10 @@ class InverseTrace {
 
  private:
   /// One past the last row of the diagonal block of C that begins at `begin`.
-  static Count block_end(const Scalar* rows, Count stride, Count begin, Count ngc) {
+  static Count block_end(const double* rows, Count stride, Count begin, Count ngc) {
     Count end = begin + 1;
     for (Count i = begin; i < end; ++i) {
-      const Scalar* const row = rows + i * stride;
+      const double* const row = rows + i * stride;
       Count last = ngc;
       while (last > end && row[last - 1] == 0) --last;
       end = last;
@@ -45,7 +44,7 @@ class InverseTrace {
 
   /// The sum of the squares of one diagonal block of C^-T diag(G)^(1/2), by forward substitution. Each finished row is
   /// subtracted from all rows below at once, so that no row waits for a long sum.
-  Scalar of_block(const Scalar* rows, Count stride, const Scalar* inverse_diagonal, const Scalar* root_diagonal,
+  double of_block(const double* rows, Count stride, const double* inverse_diagonal, const double* root_diagonal,
                   Count begin, Count end, Count inverse_stride) {
     const Count first = begin / L::kWidth * L::kWidth;
     for (Count i = begin; i < end; ++i) {
@@ -55,13 +54,13 @@ class InverseTrace {
     }
     auto sum = L::broadcast(0);
     for (Count k = begin; k < end; ++k) {
-      const Scalar* const row = rows + k * stride;
+      const double* const row = rows + k * stride;
       const auto factor = L::broadcast(inverse_diagonal[k]);
       for (Count j = first; j <= k; j += L::kWidth) {
         const auto entries = factor * L::load(inverse_.data() + k * inverse_stride + j);
         sum += entries * entries;
         for (Count i = k + 1; i < end; ++i) {
-          Scalar* const below = inverse_.data() + i * inverse_stride + j;
+          double* const below = inverse_.data() + i * inverse_stride + j;
           L::store(below, L::load(below) - L::broadcast(row[i]) * entries);
         }
       }
@@ -69,7 +68,7 @@ class InverseTrace {
     return L::sum(sum);
   }
 
-  Buffer<Scalar> inverse_;  // C^-T diag(G)^(1/2) by rows
+  Buffer<double> inverse_;  // C^-T diag(G)^(1/2) by rows
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -8,9 +8,8 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// Vectors are appended by Gram-Schmidt with a second pass where the first cancels, which keeps Q orthogonal to
 /// rounding [Daniel, Gragg, Kaufman, Stewart 1976], and removed by Givens rotations. O(length * size) for either.
-template <class Scalar>
 class OrthogonalBasis {
-  using L = Lanes<Scalar>;
+  using L = Lanes<double>;
 
  public:
   /// Room for `capacity` vectors of `length` entries (padded), or for fewer and shorter ones.
@@ -28,15 +27,15 @@ class OrthogonalBasis {
   }
 
   Count size() const { return size_; }
-  const Scalar* q(Count i) const { return q_.data() + i * length_; }
+  const double* q(Count i) const { return q_.data() + i * length_; }
   /// R(i, j), i <= j.
-  Scalar r(Count i, Count j) const { return r_[j * capacity_ + i]; }
+  double r(Count i, Count j) const { return r_[j * capacity_ + i]; }
 
   /// coefficients (size) = Q'x, rest = x - Q Q'x. @returns |rest|^2
-  Scalar split(const Scalar* x, Scalar squared_norm, Scalar* coefficients, Scalar* rest) {
-    Scalar left = squared_norm;
+  double split(const double* x, double squared_norm, double* coefficients, double* rest) {
+    double left = squared_norm;
     for (Count k = 0; k < size_; ++k) {
-      const Scalar along = dot(q(k), x, length_);
+      const double along = dot(q(k), x, length_);
       coefficients[k] = along;
       minus_along_[k] = -along;
       left -= along * along;
@@ -50,13 +49,13 @@ class OrthogonalBasis {
   }
 
   /// Appends the vector that split() took apart. @pre size() < capacity, squared_rest > 0
-  void append(const Scalar* coefficients, const Scalar* rest, Scalar squared_rest) {
-    const Scalar norm = square_root(squared_rest);
-    Scalar* column = r_.data() + size_ * capacity_;
+  void append(const double* coefficients, const double* rest, double squared_rest) {
+    const double norm = square_root(squared_rest);
+    double* column = r_.data() + size_ * capacity_;
     for (Count k = 0; k < size_; ++k) column[k] = coefficients[k];
     column[size_] = norm;
     inverse_diagonal_[size_] = 1 / norm;
-    Scalar* direction = q_.data() + size_ * length_;
+    double* direction = q_.data() + size_ * length_;
     copy(direction, rest, length_);
     scale(direction, inverse_diagonal_[size_], length_);
     ++size_;
@@ -65,8 +64,8 @@ class OrthogonalBasis {
   /// Removes vector `k`; those after it move up by one.
   void remove(Count k) {
     for (Count j = k + 1; j < size_; ++j) {
-      const Scalar* from = r_.data() + j * capacity_;
-      Scalar* to = r_.data() + (j - 1) * capacity_;
+      const double* from = r_.data() + j * capacity_;
+      double* to = r_.data() + (j - 1) * capacity_;
       for (Count i = 0; i <= j; ++i) to[i] = from[i];
     }
     --size_;
@@ -74,30 +73,19 @@ class OrthogonalBasis {
   }
 
   /// x := R^-1 x.
-  void solve(Scalar* x) const {
+  void solve(double* x) const {
     for (Count j = size_ - 1; j >= 0; --j) {
-      const Scalar* column = r_.data() + j * capacity_;
-      const Scalar value = x[j] * inverse_diagonal_[j];
+      const double* column = r_.data() + j * capacity_;
+      const double value = x[j] * inverse_diagonal_[j];
       x[j] = value;
       for (Count i = 0; i < j; ++i) x[i] -= value * column[i];
     }
   }
 
-  /// x := R^-1 x in doubles: each entry is rounded before the entries before it are solved for, which so make up for
-  /// the rounding. |R x - b|_j is at most the rounding of x_j times R_jj, where R^-1 b rounded at the end has that of
-  /// all entries times the norms of their vectors. [Babai 1986, the nearest-plane method]
-  void solve_in_doubles(Scalar* x) const {
-    for (Count j = size_ - 1; j >= 0; --j) {
-      const Scalar* column = r_.data() + j * capacity_;
-      x[j] = static_cast<Scalar>(static_cast<double>(x[j] * inverse_diagonal_[j]));
-      for (Count i = 0; i < j; ++i) x[i] -= x[j] * column[i];
-    }
-  }
-
   /// x := R^-T x.
-  void solve_transposed(Scalar* x) const {
+  void solve_transposed(double* x) const {
     for (Count j = 0; j < size_; ++j) {
-      const Scalar* column = r_.data() + j * capacity_;
+      const double* column = r_.data() + j * capacity_;
       for (Count i = 0; i < j; ++i) x[j] -= column[i] * x[i];
       x[j] *= inverse_diagonal_[j];
     }
@@ -105,25 +93,25 @@ class OrthogonalBasis {
 
  private:
   /// Of the squared length. Much less would do for one vector, but what each loses is lost again by those after it.
-  static constexpr Scalar kEnoughLeft = Scalar(0.5);
+  static constexpr double kEnoughLeft = 0.5;
 
   /// Makes R(i + 1, i) zero by turning directions i and i + 1.
   void rotate(Count i) {
-    Scalar* pivot = r_.data() + i * capacity_ + i;
-    const Scalar norm = square_root(pivot[0] * pivot[0] + pivot[1] * pivot[1]);
-    const Scalar inverse = 1 / norm;
-    const Scalar c = pivot[0] * inverse;
-    const Scalar s = pivot[1] * inverse;
+    double* pivot = r_.data() + i * capacity_ + i;
+    const double norm = square_root(pivot[0] * pivot[0] + pivot[1] * pivot[1]);
+    const double inverse = 1 / norm;
+    const double c = pivot[0] * inverse;
+    const double s = pivot[1] * inverse;
     pivot[0] = norm;
     inverse_diagonal_[i] = inverse;
     for (Count j = i + 1; j < size_; ++j) {
-      Scalar* entry = r_.data() + j * capacity_ + i;
-      const Scalar above = c * entry[0] + s * entry[1];
+      double* entry = r_.data() + j * capacity_ + i;
+      const double above = c * entry[0] + s * entry[1];
       entry[1] = c * entry[1] - s * entry[0];
       entry[0] = above;
     }
-    Scalar* q0 = q_.data() + i * length_;
-    Scalar* q1 = q0 + length_;
+    double* q0 = q_.data() + i * length_;
+    double* q1 = q0 + length_;
     for (Count l = 0; l < length_; l += L::kWidth) {
       const auto first = L::load(q0 + l);
       const auto second = L::load(q1 + l);
@@ -135,10 +123,10 @@ class OrthogonalBasis {
   Count length_ = 0;
   Count capacity_ = 0;
   Count size_ = 0;
-  Buffer<Scalar> q_;  // one direction after the other
-  Buffer<Scalar> r_;  // capacity x capacity by columns
-  Buffer<Scalar> inverse_diagonal_;
-  Buffer<Scalar> minus_along_;
+  Buffer<double> q_;  // one direction after the other
+  Buffer<double> r_;  // capacity x capacity by columns
+  Buffer<double> inverse_diagonal_;
+  Buffer<double> minus_along_;
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -13,9 +13,8 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// The columns of S are written to the first `rank` rows that the caller provides: `ngc` rows, `stride` from one to the
 /// next, of which the first padded(ngc) entries are used, as memory too.
-template <class Scalar>
 class SemidefiniteRoot {
-  using L = Lanes<Scalar>;
+  using L = Lanes<double>;
 
  public:
   /// @param factors  columns of Y
@@ -31,7 +30,7 @@ class SemidefiniteRoot {
     rank_basis_.reserve(L::padded(most), ngc);
   }
 
-  void set_rows(Scalar* rows, Count stride, Count ngc) {
+  void set_rows(double* rows, Count stride, Count ngc) {
     rows_ = rows;
     stride_ = stride;
     ngc_ = ngc;
@@ -45,9 +44,9 @@ class SemidefiniteRoot {
   [[gnu::noinline]] bool find_of_factors(const Input& input) {
     factor_count_ = input.factors;
     for (Count k = 0; k < factor_count_; ++k) {
-      const Scalar weight = square_root(static_cast<Scalar>(input.alpha[k]));
-      Scalar* column = factors_.data() + k * lanes_;
-      for (Count i = 0; i < ngc_; ++i) column[i] = weight * static_cast<Scalar>(input.matrix[k * ngc_ + i]);
+      const double weight = square_root(input.alpha[k]);
+      double* column = factors_.data() + k * lanes_;
+      for (Count i = 0; i < ngc_; ++i) column[i] = weight * input.matrix[k * ngc_ + i];
       for (Count i = ngc_; i < lanes_; ++i) column[i] = 0;
     }
     return find_of_range();
@@ -55,7 +54,7 @@ class SemidefiniteRoot {
 
   /// Of G*, singular to within `cut`, each coordinate by its own diagonal entry: a heavy body beside a light one must
   /// not count as a body that nothing moves.
-  [[gnu::noinline]] bool find_of_inverse(const double* inverse, Scalar cut) {
+  [[gnu::noinline]] bool find_of_inverse(const double* inverse, double cut) {
     if (!read_diagonal(inverse)) return false;
     if (!factor_semidefinite(inverse, cut)) return false;
     rank_ = factor_count_;
@@ -63,37 +62,17 @@ class SemidefiniteRoot {
     return true;
   }
 
-  /// Of G, singular to within `cut`. False too where that might take a light coordinate for none.
-  [[gnu::noinline]] bool find_of_singular(const double* G, Scalar cut) {
-    if (mixes_scales(G) || !read_diagonal(G)) return false;
-    Scalar largest = 0;
-    for (Count i = 0; i < ngc_; ++i) largest = diagonal_[i] > largest ? diagonal_[i] : largest;
-    for (Count i = 0; i < ngc_; ++i) diagonal_[i] = largest;
-    return factor_semidefinite(G, cut) && find_of_range();
-  }
-
   Count rank() const { return rank_; }
   /// How much rounding errors grow in S, about.
-  Scalar growth() const { return growth_; }
+  double growth() const { return growth_; }
 
  private:
-  Scalar* row(Count i) { return rows_ + i * stride_; }
-
-  /// Whether a coordinate is so light beside another that the cut of the pseudo-inverse might take it for none.
-  bool mixes_scales(const double* G) const {
-    double largest = 0;
-    for (Count i = 0; i < ngc_; ++i) largest = G[i * ngc_ + i] > largest ? G[i * ngc_ + i] : largest;
-    for (Count i = 0; i < ngc_; ++i) {
-      const double entry = G[i * ngc_ + i];
-      if (entry != 0 && !(entry > 0x1p-40 * largest)) return true;
-    }
-    return false;
-  }
+  double* row(Count i) { return rows_ + i * stride_; }
 
   /// False where an entry is not a number or below zero.
   bool read_diagonal(const double* A) {
     for (Count i = 0; i < ngc_; ++i) {
-      diagonal_[i] = static_cast<Scalar>(A[i * ngc_ + i]);
+      diagonal_[i] = A[i * ngc_ + i];
       if (!(diagonal_[i] >= 0) || !finite(diagonal_[i])) return false;
     }
     return true;
@@ -101,20 +80,20 @@ class SemidefiniteRoot {
 
   /// A = Y Y' to within `cut` times ngc times the entries of diagonal_, by Cholesky with diagonal pivoting.
   /// False when A is indefinite. Uses the rows as memory.
-  bool factor_semidefinite(const double* A, Scalar cut) {
+  bool factor_semidefinite(const double* A, double cut) {
     for (Count i = 0; i < ngc_; ++i) {
-      Scalar* to = row(i);
-      for (Count j = 0; j < ngc_; ++j) to[j] = static_cast<Scalar>(A[i * ngc_ + j]);
+      double* to = row(i);
+      for (Count j = 0; j < ngc_; ++j) to[j] = A[i * ngc_ + j];
     }
-    const Scalar share = static_cast<Scalar>(static_cast<double>(ngc_)) * cut;
-    Scalar growth = 1;
+    const double share = static_cast<double>(ngc_) * cut;
+    double growth = 1;
     for (factor_count_ = 0; factor_count_ < ngc_; ++factor_count_) {
       Count pivot = -1;
       for (Count i = 0; i < ngc_; ++i) {
         if (row(i)[i] > share * diagonal_[i] && (pivot < 0 || row(i)[i] > row(pivot)[pivot])) pivot = i;
       }
       if (pivot < 0) break;
-      const Scalar cancelled = diagonal_[pivot] / row(pivot)[pivot];
+      const double cancelled = diagonal_[pivot] / row(pivot)[pivot];
       growth = cancelled > growth ? cancelled : growth;
       take_factor(pivot);
     }
@@ -127,8 +106,8 @@ class SemidefiniteRoot {
 
   /// The next column of Y, and A less its part.
   void take_factor(Count pivot) {
-    Scalar* column = factors_.data() + factor_count_ * lanes_;
-    const Scalar inverse = 1 / square_root(row(pivot)[pivot]);
+    double* column = factors_.data() + factor_count_ * lanes_;
+    const double inverse = 1 / square_root(row(pivot)[pivot]);
     for (Count i = 0; i < ngc_; ++i) column[i] = inverse * row(pivot)[i];
     for (Count i = ngc_; i < lanes_; ++i) column[i] = 0;
     for (Count i = 0; i < ngc_; ++i) {
@@ -143,12 +122,12 @@ class SemidefiniteRoot {
     // R' = P T: the rows of R, which are independent.
     const Count length = coefficient_lanes();
     rank_basis_.clear(length, ngc_);
-    Scalar least = kInfinity<Scalar>;
-    Scalar largest = 0;
+    double least = kInfinity<double>;
+    double largest = 0;
     for (Count i = 0; i < rank_; ++i) {
-      const Scalar* of_range = coefficients_.data() + i * length;
-      Scalar* t = coefficients_.data() + ngc_ * length;
-      const Scalar left = rank_basis_.split(of_range, dot(of_range, of_range, length), t, rest_.data());
+      const double* of_range = coefficients_.data() + i * length;
+      double* t = coefficients_.data() + ngc_ * length;
+      const double left = rank_basis_.split(of_range, dot(of_range, of_range, length), t, rest_.data());
       if (!(left > 0)) return false;
       rank_basis_.append(t, rest_.data(), left);
       least = left < least ? left : least;
@@ -159,7 +138,7 @@ class SemidefiniteRoot {
       for (Count j = 0; j < i; ++j) add_multiple(row(i), -rank_basis_.r(j, i), row(j), lanes_);
       scale(row(i), 1 / rank_basis_.r(i, i), lanes_);
     }
-    growth_ = rank_ > 0 ? square_root(largest / least) : Scalar(1);
+    growth_ = rank_ > 0 ? square_root(largest / least) : 1.0;
     return true;
   }
 
@@ -171,19 +150,19 @@ class SemidefiniteRoot {
   bool factor_range() {
     const Count count = factor_count_;
     const Count length = coefficient_lanes();
-    const Scalar cut = Scalar(0x1p-46);
+    const double cut = 0x1p-46;
     set_zero(coefficients_.data(), length * (ngc_ + 1));
     range_.clear(lanes_, ngc_);
     for (Count k = 0; k < count; ++k) order_[k] = k;
-    Scalar* c = coefficients_.data() + ngc_ * length;
+    double* c = coefficients_.data() + ngc_ * length;
     for (rank_ = 0; rank_ < ngc_ && rank_ < count; ++rank_) {
       Count best = -1;
-      Scalar most = 0;
+      double most = 0;
       for (Count k = rank_; k < count; ++k) {
-        const Scalar* factor = factors_.data() + order_[k] * lanes_;
-        const Scalar squared = dot(factor, factor, lanes_);
+        const double* factor = factors_.data() + order_[k] * lanes_;
+        const double squared = dot(factor, factor, lanes_);
         if (!finite(squared)) return false;
-        const Scalar left = range_.split(factor, squared, c, rest_.data());
+        const double left = range_.split(factor, squared, c, rest_.data());
         if (left > cut * cut * squared && left > most) {
           most = left;
           best = k;
@@ -191,8 +170,8 @@ class SemidefiniteRoot {
       }
       if (best < 0) break;
       swap(order_[rank_], order_[best]);
-      const Scalar* factor = factors_.data() + order_[rank_] * lanes_;
-      const Scalar left = range_.split(factor, dot(factor, factor, lanes_), c, rest_.data());
+      const double* factor = factors_.data() + order_[rank_] * lanes_;
+      const double left = range_.split(factor, dot(factor, factor, lanes_), c, rest_.data());
       range_.append(c, rest_.data(), left);
     }
     for (Count i = 0; i < rank_; ++i) {
@@ -204,20 +183,20 @@ class SemidefiniteRoot {
     return true;
   }
 
-  Scalar* rows_ = nullptr;
+  double* rows_ = nullptr;
   Count stride_ = 0;
   Count ngc_ = 0;
   Count lanes_ = 0;
   Count rank_ = 0;
-  Scalar growth_ = 1;
+  double growth_ = 1;
   Count factor_count_ = 0;
-  Buffer<Scalar> factors_;  // Y by columns
-  Buffer<Scalar> coefficients_;
-  Buffer<Scalar> rest_;
+  Buffer<double> factors_;  // Y by columns
+  Buffer<double> coefficients_;
+  Buffer<double> rest_;
   Buffer<Count> order_;
-  Buffer<Scalar> diagonal_;  // what a pivot of each coordinate is compared with
-  OrthogonalBasis<Scalar> range_;
-  OrthogonalBasis<Scalar> rank_basis_;
+  Buffer<double> diagonal_;  // what a pivot of each coordinate is compared with
+  OrthogonalBasis range_;
+  OrthogonalBasis rank_basis_;
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -33,7 +33,7 @@ class VelocityTest {
     const Scalar* whitened_change = nullptr;  ///< what velocity was made of: about C (u - v)
   };
 
-  explicit VelocityTest(Whitening<Scalar>& whitening) : whitening_(whitening) {}
+  explicit VelocityTest(Whitening& whitening) : whitening_(whitening) {}
 
   void reserve(Count ngc, Count nc) {
     const Count vectors = L::padded(ngc);
@@ -458,7 +458,7 @@ class VelocityTest {
     });
   }
 
-  Whitening<Scalar>& whitening_;
+  Whitening& whitening_;
   const Count* active_ = nullptr;
   Count pressed_ = 0;
   bool by_residual_ = false;  // the rounding is told by contact, from the residual

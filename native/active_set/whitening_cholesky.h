@@ -6,39 +6,32 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-template <class Scalar>
-inline bool Whitening<Scalar>::factor_dense(const double* G) {
-  if (eliminate(G)) {
-    if (underflows_) return false;
-    triangular_ = true;
-    rank_ = ngc_;
-    scale_rows();
-    return true;
-  }
-  // Singular to this precision. Only the last precision may say that it is singular: to within the rounding of the
-  // doubles that it was given in, the cut of the pseudo-inverse everywhere in this program.
-  return kLastPrecision && take_root(root_.find_of_singular(G, Scalar(0x1p-52)));
+inline bool Whitening::factor_dense(const double* G) {
+  if (!eliminate(G) || underflows_) return false;
+  triangular_ = true;
+  rank_ = ngc_;
+  scale_rows();
+  return true;
 }
 
-template <class Scalar>
-inline bool Whitening<Scalar>::eliminate(const double* G) {
+inline bool Whitening::eliminate(const double* G) {
   for (Count i = 0; i < ngc_; ++i) {
-    Scalar* row = work_row(i);
+    double* row = work_row(i);
     widen(G + i * ngc_, ngc_, row);
     copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
     root_diagonal_[i] = row[i];  // G_ii, until scale_rows
   }
-  const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
-  Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
+  const double least = static_cast<double>(ngc_) * kEpsilon;
+  double pivot = ngc_ > 0 ? work_row(0)[0] : 0.0;
   Count end = 0;
   underflows_ = false;
   for (Count k = 0; k < ngc_; ++k) {
-    const Scalar* pivot_row = work_row(k);
+    const double* pivot_row = work_row(k);
     end = profile_end(pivot_row, end > k ? end : k + 1);
     if (!(pivot > least * root_diagonal_[k])) return false;
-    if (pivot < static_cast<Scalar>(kLeastPivot)) underflows_ = true;
+    if (pivot < kLeastPivot) underflows_ = true;
     pivots_[k] = pivot;
-    const Scalar inverse = 1 / pivot;
+    const double inverse = 1 / pivot;
     // The next pivot is computed apart from its row, so that its reciprocal need not wait for that to be written.
     if (k + 1 < ngc_) pivot = work_row(k + 1)[k + 1] + -pivot_row[k + 1] * inverse * pivot_row[k + 1];
     const Count first = k / L::kWidth * L::kWidth;
@@ -47,8 +40,7 @@ inline bool Whitening<Scalar>::eliminate(const double* G) {
   return true;
 }
 
-template <class Scalar>
-inline void Whitening<Scalar>::scale_rows() {
+inline void Whitening::scale_rows() {
   for (Count i = ngc_; i < velocity_lanes_; ++i) {
     root_diagonal_[i] = 0;
     pivots_[i] = 1;
@@ -63,21 +55,21 @@ inline void Whitening<Scalar>::scale_rows() {
     L::store(inverse_bound_.data() + i, root);
   }
   set_noise(L::max(growth));
-  Scalar squared_bound = 0;
+  double squared_bound = 0;
   for (Count i = 0; i < ngc_; ++i) {
-    Scalar* const row = work_row(i);
+    double* const row = work_row(i);
     const Count first = i / L::kWidth * L::kWidth;
-    const Scalar bound = inverse_bound_[i] * inverse_diagonal_[i];
+    const double bound = inverse_bound_[i] * inverse_diagonal_[i];
     squared_bound += bound * bound;
     const auto factor = L::broadcast(inverse_diagonal_[i]);
     const auto weight = L::broadcast(bound);
     for (Count j = first; j < velocity_lanes_; j += L::kWidth) {
       auto entries = factor * L::load(row + j);
       if (j == first) {  // elimination left something before the diagonal
-        entries = lane_numbers<Scalar>() >= static_cast<Scalar>(i - first) ? entries : L::broadcast(0);
+        entries = lane_numbers<double>() >= static_cast<double>(i - first) ? entries : L::broadcast(0);
       }
       L::store(row + j, entries);
-      Scalar* const bounds = inverse_bound_.data() + j;
+      double* const bounds = inverse_bound_.data() + j;
       L::store(bounds, L::load(bounds) + weight * L::max(entries, -entries));
     }
     scale(row + velocity_lanes_, inverse_diagonal_[i], contact_lanes_);
@@ -86,11 +78,10 @@ inline void Whitening<Scalar>::scale_rows() {
   make_columns();
 }
 
-template <class Scalar>
-inline void Whitening<Scalar>::make_columns() {
+inline void Whitening::make_columns() {
   for (Count i = ngc_; i < velocity_lanes_; ++i) set_zero(work_row(i), velocity_lanes_);
   for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
-    Scalar* const columns = columns_.data() + i * velocity_lanes_;
+    double* const columns = columns_.data() + i * velocity_lanes_;
     for (Count j = 0; j <= i; j += L::kWidth) {
       transpose_block(work_row(j) + i, stride_, columns + j, velocity_lanes_);
     }

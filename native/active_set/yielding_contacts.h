@@ -15,14 +15,13 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// A step solves for the p contacts that press, (R + W'W) f = -g, or if these are more than the coordinates, for those:
 /// (I + W R^-1 W') x = -W R^-1 g. O(ngc (nc + p min(p, ngc))), however many contacts begin or cease to press.
-template <class Scalar>
 class YieldingContacts {
-  using L = Lanes<Scalar>;
+  using L = Lanes<double>;
 
  public:
   enum class Step { kTaken, kLast, kFailed };
 
-  explicit YieldingContacts(Whitening<Scalar>& whitening) : whitening_(whitening) {}
+  explicit YieldingContacts(Whitening& whitening) : whitening_(whitening) {}
 
   /// Room for all problems that are not larger.
   void reserve(Count ngc, Count nc) {
@@ -37,7 +36,7 @@ class YieldingContacts {
 
   /// @param given  g; must outlive the steps
   /// @param start  nc: at first contacts with a positive entry press; nullptr: those that approach
-  void begin(const Scalar* given, const double* start) {
+  void begin(const double* given, const double* start) {
     given_ = given;
     set_zero(x_.data(), whitening_.velocity_lanes());
     copy(slack_.data(), given, whitening_.contact_lanes());
@@ -53,13 +52,13 @@ class YieldingContacts {
   }
 
   /// @param threshold  the largest (velocity / |W_j|)^2 of a contact that counts as a rounding of 0
-  Step step(Scalar threshold) {
+  Step step(double threshold) {
     if (!solve()) return Step::kFailed;
     move(next_x_.data());
     threshold += rounding();
     if (!finite(threshold)) return Step::kFailed;  // any contact would be within it
     if (is_settled(threshold)) return is_right(threshold) ? Step::kLast : Step::kFailed;
-    const Scalar length = is_guess_ ? Scalar(1) : length_of_step();  // from a guess it may lead uphill
+    const double length = is_guess_ ? 1.0 : length_of_step();  // from a guess it may lead uphill
     if (!finite(length)) return Step::kFailed;
     is_guess_ = false;
     go(x_.data(), next_x_.data(), length, whitening_.velocity_lanes());
@@ -73,9 +72,9 @@ class YieldingContacts {
   /// Contacts that press; by rounding an impulse may be below zero.
   Count count() const { return count_; }
   Count contact(Count k) const { return pressing_[k]; }
-  Scalar impulse(Count k) const { return impulse_[k]; }
+  double impulse(Count k) const { return impulse_[k]; }
   /// x
-  const Scalar* change() const { return next_x_.data(); }
+  const double* change() const { return next_x_.data(); }
 
  private:
   static constexpr int kMostCorrections = 3;
@@ -94,12 +93,12 @@ class YieldingContacts {
   }
 
   /// next_slack_ := g + W'x
-  void move(const Scalar* x) {
+  void move(const double* x) {
     combine_rows(next_slack_.data(), given_, whitening_.row(0), whitening_.row_stride(), x, whitening_.rank(),
                  whitening_.contact_lanes());
   }
 
-  static void go(Scalar* from, const Scalar* to, Scalar length, Count size) {
+  static void go(double* from, const double* to, double length, Count size) {
     const auto factor = L::broadcast(length);
     for (Count i = 0; i < size; i += L::kWidth) {
       const auto start = L::load(from + i);
@@ -121,19 +120,19 @@ class YieldingContacts {
   bool factor() {
     const Count rank = whitening_.rank(), lanes = whitening_.velocity_lanes();
     for (Count k = 0; k < count_; ++k) compliance_[k] = whitening_.compliance(pressing_[k]);
-    Scalar* const diagonal = solution_.data();
+    double* const diagonal = solution_.data();
     if (by_contact()) {
       const Count stride = L::padded(count_);
       for (Count i = 0; i < rank; ++i) {
-        Scalar* const to = vectors_.data() + i * stride;
-        const Scalar* const from = whitening_.row(i);
+        double* const to = vectors_.data() + i * stride;
+        const double* const from = whitening_.row(i);
         for (Count k = 0; k < count_; ++k) to[k] = from[pressing_[k]];
         for (Count k = count_; k < stride; ++k) to[k] = 0;
       }
       return system_.factor(compliance_.data(), count_, vectors_.data(), stride, rank);
     }
     for (Count k = 0; k < count_; ++k) {
-      Scalar* const to = vectors_.data() + k * lanes;
+      double* const to = vectors_.data() + k * lanes;
       copy(to, whitening_.normal(pressing_[k]), lanes);
       scale(to, 1 / square_root(compliance_[k]), lanes);
     }
@@ -155,7 +154,7 @@ class YieldingContacts {
       }
       system_.solve(solution_.data());
       for (Count k = 0; k < count_; ++k) {
-        const Scalar moved = dot(whitening_.normal(pressing_[k]), solution_.data(), lanes);
+        const double moved = dot(whitening_.normal(pressing_[k]), solution_.data(), lanes);
         impulse_[k] += (missing_[k] - moved) / compliance_[k];
       }
     }
@@ -166,28 +165,28 @@ class YieldingContacts {
   }
 
   /// What the rounding of impulses adds to a threshold of step(): they may be large and cancel each other.
-  Scalar rounding() const {
-    Scalar terms = 0;
+  double rounding() const {
+    double terms = 0;
     for (Count k = 0; k < count_; ++k) {
       terms += magnitude(impulse_[k]) * square_root(whitening_.squared_norm(pressing_[k]));
     }
-    const Scalar noise = whitening_.noise() * terms;
+    const double noise = whitening_.noise() * terms;
     return noise * noise;
   }
 
   /// Whether the same contacts press, but for rounding.
-  bool is_settled(Scalar threshold) const {
+  bool is_settled(double threshold) const {
     for (Count j = 0; j < whitening_.nc(); ++j) {
       if ((next_slack_[j] < 0) != presses_[j] && is_off(j, next_slack_[j], threshold)) return false;
     }
     return true;
   }
-  bool is_off(Count contact, Scalar speed, Scalar threshold) const {
+  bool is_off(Count contact, double speed, double threshold) const {
     return !(speed * speed * whitening_.weights()[contact] <= threshold);
   }
 
   /// Whether all contacts are where they should be but for rounding, once the impulses have been corrected.
-  bool is_right(Scalar threshold) {
+  bool is_right(double threshold) {
     for (int corrections = 0;; ++corrections) {
       bool is_exact = true;
       for (Count k = 0; k < count_; ++k) {
@@ -212,19 +211,19 @@ class YieldingContacts {
 
   /// How far to go towards next_x_, as a part of the way: about where the function is least. @returns infinity if it
   /// does not fall
-  Scalar length_of_step() {
-    Scalar squared = 0, along = 0;
+  double length_of_step() {
+    double squared = 0, along = 0;
     for (Count i = 0; i < whitening_.rank(); ++i) {
-      const Scalar d = next_x_[i] - x_[i];
+      const double d = next_x_[i] - x_[i];
       squared += d * d;
       along += d * x_[i];
     }
-    const Scalar at_start = slope(0, along, squared).value;
-    if (!(at_start < 0)) return kInfinity<Scalar>;
-    Scalar low = 0, high = kInfinity<Scalar>, length = 1;
+    const double at_start = slope(0, along, squared).value;
+    if (!(at_start < 0)) return kInfinity<double>;
+    double low = 0, high = kInfinity<double>, length = 1;
     for (int k = 0; k < kMostLengths; ++k) {
       const Slope now = slope(length, along, squared);
-      if (!(magnitude(now.value) > -Scalar(kFlat) * at_start)) break;
+      if (!(magnitude(now.value) > -kFlat * at_start)) break;
       (now.value < 0 ? low : high) = length;
       length -= now.value / now.change;
       if (!(length > low && length < high)) length = finite(high) ? (low + high) / 2 : 2 * low;
@@ -233,36 +232,36 @@ class YieldingContacts {
   }
 
   struct Slope {
-    Scalar value, change;
+    double value, change;
   };
-  Slope slope(Scalar length, Scalar along, Scalar squared) const {
+  Slope slope(double length, double along, double squared) const {
     Slope sum{along + length * squared, squared};
     for (Count j = 0; j < whitening_.nc(); ++j) {
-      const Scalar change = next_slack_[j] - slack_[j];
-      const Scalar speed = slack_[j] + length * change;
+      const double change = next_slack_[j] - slack_[j];
+      const double speed = slack_[j] + length * change;
       if (!(speed < 0)) continue;
-      const Scalar pressure = change / whitening_.compliance(j);
+      const double pressure = change / whitening_.compliance(j);
       sum.value += speed * pressure;
       sum.change += change * pressure;
     }
     return sum;
   }
 
-  Whitening<Scalar>& whitening_;
-  SymmetricSystem<Scalar> system_;
-  const Scalar* given_ = nullptr;
+  Whitening& whitening_;
+  SymmetricSystem system_;
+  const double* given_ = nullptr;
   bool is_guess_ = false;  ///< which contacts press
 
   Count count_ = 0;
   Buffer<Count> pressing_;
   Buffer<bool> presses_;       ///< by contact
-  Buffer<Scalar> compliance_;  ///< of the pressing ones, as all from here to missing_
-  Buffer<Scalar> impulse_;
-  Buffer<Scalar> missing_;  ///< of the velocity that they should have
-  Buffer<Scalar> vectors_;  ///< their normals by rows or columns, see factor()
-  Buffer<Scalar> x_, next_x_;
-  Buffer<Scalar> slack_, next_slack_;  ///< g + W'x
-  Buffer<Scalar> solution_;
+  Buffer<double> compliance_;  ///< of the pressing ones, as all from here to missing_
+  Buffer<double> impulse_;
+  Buffer<double> missing_;  ///< of the velocity that they should have
+  Buffer<double> vectors_;  ///< their normals by rows or columns, see factor()
+  Buffer<double> x_, next_x_;
+  Buffer<double> slack_, next_slack_;  ///< g + W'x
+  Buffer<double> solution_;
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

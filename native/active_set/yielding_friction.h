@@ -12,12 +12,11 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// what a pyramid of four edges asks for. x = W f(s) is solved by Newton's method, whose step is halved until |x - W f|
 /// falls. [Qi, Sun 1993, A nonsmooth version of Newton's method] It need not converge. A step takes O(rank^2 (rank +
 /// rows that press)).
-template <class Scalar>
 class YieldingFriction {
-  using L = Lanes<Scalar>;
+  using L = Lanes<double>;
 
  public:
-  explicit YieldingFriction(Whitening<Scalar>& whitening) : whitening_(whitening) {}
+  explicit YieldingFriction(Whitening& whitening) : whitening_(whitening) {}
 
   void reserve(Count ngc, Count rows) {
     const Count lanes = L::padded(ngc);
@@ -29,7 +28,7 @@ class YieldingFriction {
   }
 
   /// From x = 0. @param given, mu  g, and one entry for each contact; must outlive the steps
-  void begin(const Scalar* given, const double* mu) {
+  void begin(const double* given, const double* mu) {
     given_ = given;
     mu_ = mu;
     set_zero(x_.data(), lanes());
@@ -38,27 +37,27 @@ class YieldingFriction {
 
   /// Whether rounding leaves the impulses -s / r exact to this part of themselves: s sums terms of size M_ii f, so that
   /// f has an error of M_ii / r unit round-offs.
-  bool resolves(Scalar part) const {
+  bool resolves(double part) const {
     for (Count row = 0; row < whitening_.nc(); ++row) {
-      const Scalar lost = static_cast<Scalar>(kUnitRoundoff<Scalar>) * whitening_.squared_norm(row);
+      const double lost = kUnitRoundoff<double> * whitening_.squared_norm(row);
       if (!(lost <= part * whitening_.compliance(row))) return false;
     }
     return true;
   }
   /// |x - W f|^2. It is the only measure of the impulses. @pre begin()
-  Scalar left() const { return left_; }
-  Scalar impulse(Count row) const { return impulse_[row]; }
+  double left() const { return left_; }
+  double impulse(Count row) const { return impulse_[row]; }
 
   /// @returns whether less is left; if not, only begin() may follow
   bool step() {
     form();
     if (!solve()) return false;
-    Scalar length = 1;
+    double length = 1;
     for (int halvings = 0; halvings < kMostHalvings; ++halvings, length /= 2) {
       copy(next_x_.data(), x_.data(), lanes());
       add_multiple(next_x_.data(), length, step_.data(), lanes());
-      const Scalar left = respond(next_x_.data(), next_missing_.data());
-      const Scalar falls = 1 - Scalar(kLeastFall) * length;
+      const double left = respond(next_x_.data(), next_missing_.data());
+      const double falls = 1 - kLeastFall * length;
       if (!(left < falls * falls * left_)) continue;
       left_ = left;
       copy(x_.data(), next_x_.data(), lanes());
@@ -75,32 +74,32 @@ class YieldingFriction {
   Count lanes() const { return whitening_.velocity_lanes(); }
 
   struct Friction {
-    Scalar first, second;
+    double first, second;
     bool slides;
   };
   /// @param first, second  without a limit @param most  mu f_N
-  static Friction limited(Scalar first, Scalar second, Scalar most) {
-    const Scalar a = magnitude(first), b = magnitude(second);
+  static Friction limited(double first, double second, double most) {
+    const double a = magnitude(first), b = magnitude(second);
     if (a + b <= most) return {first, second, false};
-    const Scalar share = (a - b + most) / 2;
-    const Scalar of_first = share > 0 ? (share < most ? share : most) : Scalar(0);
+    const double share = (a - b + most) / 2;
+    const double of_first = share > 0 ? (share < most ? share : most) : 0.0;
     return {first < 0 ? -of_first : of_first, second < 0 ? of_first - most : most - of_first, true};
   }
 
   /// impulse_ := f, missing := W f - x. @returns its square
-  Scalar respond(const Scalar* x, Scalar* missing) {
+  double respond(const double* x, double* missing) {
     combine_rows(speed_.data(), given_, whitening_.row(0), whitening_.row_stride(), x, whitening_.rank(),
                  whitening_.contact_lanes());
     set_zero(missing, lanes());
-    add_multiple(missing, Scalar(-1), x, lanes());
+    add_multiple(missing, -1.0, x, lanes());
     for (Count row = 0; row < whitening_.nc(); row += 3) {
-      const Scalar normal = -speed_[row] / whitening_.compliance(row);
-      const Scalar pressed = normal > 0 ? normal : Scalar(0);
+      const double normal = -speed_[row] / whitening_.compliance(row);
+      const double pressed = normal > 0 ? normal : 0.0;
       const Friction friction =
           limited(-speed_[row + 1] / whitening_.compliance(row + 1), -speed_[row + 2] / whitening_.compliance(row + 2),
-                  static_cast<Scalar>(mu_[row / 3]) * pressed);
-      const Scalar impulses[] = {pressed, pressed > 0 ? friction.first : Scalar(0),
-                                 pressed > 0 ? friction.second : Scalar(0)};
+                  mu_[row / 3] * pressed);
+      const double impulses[] = {pressed, pressed > 0 ? friction.first : 0.0,
+                                 pressed > 0 ? friction.second : 0.0};
       for (Count k = 0; k < 3; ++k) {
         impulse_[row + k] = impulses[k];
         if (impulses[k] != 0) add_multiple(missing, impulses[k], whitening_.normal(row + k), lanes());
@@ -117,42 +116,42 @@ class YieldingFriction {
     }
     for (Count i = 0; i < whitening_.rank(); ++i) {
       for (Count k = 0; k < count_; ++k) factors_[k] = whitening_.row(i)[rows_[k]];
-      Scalar* const to = matrix_.data() + i * lanes();
+      double* const to = matrix_.data() + i * lanes();
       set_zero(to, lanes());
       to[i] = 1;
       combine_rows(to, to, slopes_.data(), lanes(), factors_.data(), count_, lanes());
     }
   }
 
-  Scalar* next_slope(Count row) {
+  double* next_slope(Count row) {
     rows_[count_] = row;
-    Scalar* const to = slopes_.data() + count_++ * lanes();
+    double* const to = slopes_.data() + count_++ * lanes();
     set_zero(to, lanes());
     return to;
   }
 
   /// The rows of Phi W' of a contact that presses.
   void add_slopes(Count row) {
-    const Scalar* const normals[] = {whitening_.normal(row), whitening_.normal(row + 1), whitening_.normal(row + 2)};
-    const Scalar stiff = 1 / whitening_.compliance(row);
+    const double* const normals[] = {whitening_.normal(row), whitening_.normal(row + 1), whitening_.normal(row + 2)};
+    const double stiff = 1 / whitening_.compliance(row);
     add_multiple(next_slope(row), stiff, normals[0], lanes());
-    const Scalar mu = static_cast<Scalar>(mu_[row / 3]);
-    const Scalar most = mu * stiff * -speed_[row];
+    const double mu = mu_[row / 3];
+    const double most = mu * stiff * -speed_[row];
     if (!(most > 0)) return;
-    const Scalar of_tangents[] = {1 / whitening_.compliance(row + 1), 1 / whitening_.compliance(row + 2)};
-    const Scalar free[] = {-speed_[row + 1] * of_tangents[0], -speed_[row + 2] * of_tangents[1]};
+    const double of_tangents[] = {1 / whitening_.compliance(row + 1), 1 / whitening_.compliance(row + 2)};
+    const double free[] = {-speed_[row + 1] * of_tangents[0], -speed_[row + 2] * of_tangents[1]};
     const Friction friction = limited(free[0], free[1], most);
-    const Scalar held[] = {friction.first, friction.second};
+    const double held[] = {friction.first, friction.second};
     const bool is_corner = friction.slides && (held[0] == 0 || held[1] == 0);
     for (Count k = 0; k < 2; ++k) {
-      const Scalar sign = free[k] < 0 ? Scalar(-1) : Scalar(1);
+      const double sign = free[k] < 0 ? -1.0 : 1.0;
       if (!friction.slides) {
         add_multiple(next_slope(row + 1 + k), of_tangents[k], normals[1 + k], lanes());
       } else if (is_corner && held[k] != 0) {
         add_multiple(next_slope(row + 1 + k), sign * mu * stiff, normals[0], lanes());
       } else if (!is_corner) {
-        const Scalar other = free[1 - k] < 0 ? Scalar(-1) : Scalar(1);
-        Scalar* const to = next_slope(row + 1 + k);
+        const double other = free[1 - k] < 0 ? -1.0 : 1.0;
+        double* const to = next_slope(row + 1 + k);
         add_multiple(to, of_tangents[k] / 2, normals[1 + k], lanes());
         add_multiple(to, -sign * other * of_tangents[1 - k] / 2, normals[2 - k], lanes());
         add_multiple(to, sign * mu * stiff / 2, normals[0], lanes());
@@ -173,9 +172,9 @@ class YieldingFriction {
       const Count first = k / L::kWidth * L::kWidth;
       for (Count j = first; j < lanes(); ++j) swap(entry(k, j), entry(pivot, j));
       swap(step_[k], step_[pivot]);
-      const Scalar inverse = 1 / entry(k, k);
+      const double inverse = 1 / entry(k, k);
       for (Count i = k + 1; i < rank; ++i) {
-        const Scalar factor = entry(i, k) * inverse;
+        const double factor = entry(i, k) * inverse;
         if (factor == 0) continue;
         add_multiple(&entry(i, first), -factor, &entry(k, first), lanes() - first);
         step_[i] -= factor * step_[k];
@@ -189,18 +188,18 @@ class YieldingFriction {
     return true;
   }
 
-  Scalar& entry(Count i, Count j) { return matrix_[i * lanes() + j]; }
+  double& entry(Count i, Count j) { return matrix_[i * lanes() + j]; }
 
-  Whitening<Scalar>& whitening_;
-  const Scalar* given_ = nullptr;
+  Whitening& whitening_;
+  const double* given_ = nullptr;
   const double* mu_ = nullptr;
-  Scalar left_ = 0;
-  Buffer<Scalar> matrix_;
+  double left_ = 0;
+  Buffer<double> matrix_;
   Count count_ = 0;
   Buffer<Count> rows_;       ///< of slopes_
-  Buffer<Scalar> slopes_;    ///< Phi W' but for zeros
-  Buffer<Scalar> x_, next_x_, missing_, next_missing_, step_;
-  Buffer<Scalar> speed_, impulse_, factors_;
+  Buffer<double> slopes_;    ///< Phi W' but for zeros
+  Buffer<double> x_, next_x_, missing_, next_missing_, step_;
+  Buffer<double> speed_, impulse_, factors_;
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -70,11 +70,7 @@ struct LaterEngines {
 /// the returned z; `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit;
 /// kNumericalFailure: no stage gave an answer that passes. z is then the answer of all stages with the least residual,
 /// if that is at most 1e-4 of the scale with its rounding; else zero, as it is if exact arithmetic refutes the answer
-/// that was to be claimed.
-///
-/// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
-/// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
-/// cannot be told from z where impulses are zero.
+/// that was to be claimed. A start is ignored: a basis cannot be told from z where impulses are zero.
 class ContactLemke final : public BudgetedSolver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
@@ -88,7 +84,6 @@ class ContactLemke final : public BudgetedSolver {
       .max_entries = 1'000'000,  // they take about 150 MB of addresses
       .compliance = true,
       .guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy",
-      .warm_start = true,
       .obeys_time_limit = true,
       .allocation_free = true};
   const Capabilities& capabilities() const override { return kCapabilities; }
@@ -108,8 +103,13 @@ class ContactLemke final : public BudgetedSolver {
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
-  /// Limits the number of stages; 0: no limit. The warm stage and stages whose path cycles are not counted.
+  /// Limits the number of stages; 0: no limit. Stages whose path is ended by their own limit on pivots, mostly since it
+  /// cycles, are not counted, nor is the warm one.
   void limit_stages(std::int64_t max_stages) { max_stages_ = max_stages; }
+
+  /// From now on a solve first goes on from the basis of the last one, pivot by pivot as contacts change between the
+  /// two velocities (`detail` is then "warm").
+  void resume_bases() { resumes_ = true; }
 
   /// Whether all contacts and coordinates of the problems loaded from now on are known to be one island. They are then
   /// not searched for islands.
@@ -138,7 +138,7 @@ class ContactLemke final : public BudgetedSolver {
   struct Findings {
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to the scale
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
-    int cycles = 0;  ///< paths that came back to one of their bases
+    int long_paths = 0;  ///< that were ended by the limit on pivots of their stage
     const char* stage = "";  ///< of the best answer
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
@@ -170,9 +170,8 @@ class ContactLemke final : public BudgetedSolver {
   bool has_time_for(double work) const;
   std::ptrdiff_t pivots_of(const ContactStage& stage) const;
   bool asks_for_given_velocity() const { return may_be_unsolvable_ || doubtful_.may_be_singular(); }
-  bool resumes(const Vector* start) const;
   void begin(const Budget& budget);
-  bool follow_stages(bool is_warm, double* z);
+  bool follow_stages(double* z);
   bool begins(const ContactStage& stage);
   Climbed climb(const ContactStage& stage, double* z);
   Climbed judge(const ContactStage& stage, contact_lemke::Ending ending, double* z);
@@ -183,6 +182,8 @@ class ContactLemke final : public BudgetedSolver {
 
   ContactLemkeSettings settings_;
   std::int64_t max_stages_ = 0;
+  bool resumes_ = false;    ///< see resume_bases()
+  bool has_basis_ = false;  ///< the engine in double holds that of the last answer
   ContactInput data_;
   std::array<std::ptrdiff_t, 8> room_in_later_stages_{};  ///< see reserve_later_stages()
   std::unique_ptr<contact_lemke::Engine> double_;
@@ -196,9 +197,6 @@ class ContactLemke final : public BudgetedSolver {
   contact_lemke::Rules rules_;    ///< of the present stage
   GrowingVector z_;               ///< scratch
   GrowingVector best_;
-  bool resumable_ = false;     ///< the engine in double still holds the basis of best_
-  GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual
-  double resumable_residual_ = 0;
 };
 
 /// In double. @throws std::invalid_argument when this processor lacks the level

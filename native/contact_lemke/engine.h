@@ -34,7 +34,6 @@ struct Outcome {
   /// Multiplications of the engine's numbers in vectors, and what takes as long.
   std::ptrdiff_t work = 0;
   bool is_out_of_work = false;  ///< kPivotLimit because of Rules::max_work
-  bool cycles = false;     ///< kPivotLimit because a basis came back, which no larger limit mends
 };
 
 /// Only reserve() and load() allocate.
@@ -51,7 +50,9 @@ class Engine {
   virtual void load(const Input& input) = 0;
   /// @param v ngc entries, not copied: they must stay as they are
   virtual void set_velocity(const double* v) = 0;
-  /// Follows one path. When the ending is kSolved, the positive impulses of the last basis are written to z.
+  /// Follows one path. When the ending is kSolved, the positive impulses of the last basis are written to z; when it is
+  /// kRay and no contact has friction, impulses u >= 0 along the ray, with N u in null(G) and (N'v + b)'u < 0 but for
+  /// rounding.
   /// @param z n entries, all zero
   virtual Outcome solve(const Rules& rules, double* z) = 0;
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.

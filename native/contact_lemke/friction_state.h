@@ -5,7 +5,7 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// Which contacts have basic friction impulses: the friction of these is active. One of a contact's basic friction
-/// impulses is its base, which is eliminated (see Path); `support` counts the others, which are unknowns of the kernel.
+/// impulses is its base, which is eliminated (see Basis); `support` counts the others, which are unknowns of the kernel.
 class FrictionState {
  public:
   /// Takes all memory; touches none of it.

@@ -49,7 +49,10 @@ class Kernel {
     column_label_.resize(most_);
   }
 
-  void clear() { order_ = 0; }
+  void clear() {
+    order_ = 0;
+    artificial_ = -1;
+  }
   /// Order 1: the row and the column at 0 were put; their entry's inverse is given.
   void start(Scalar inverse) {
     order_ = 1;
@@ -61,16 +64,24 @@ class Kernel {
   Count stride() const { return stride_; }
   Label row_label(Count r) const { return row_label_[r]; }
   Label column_label(Count j) const { return column_label_[j]; }
+  /// Column of z0; -1: it is not basic.
+  Count artificial() const { return artificial_; }
   Scalar norm(Count j) const { return norm_[j]; }
   const Scalar* norms() const { return norm_.data(); }
   Scalar* column(Count j) { return columns_.data() + j * column_length_; }
   const Scalar* column(Count j) const { return columns_.data() + j * column_length_; }
   /// With what its contact yields. Of any but z0.
   Count column_length() const { return column_length_; }
+  /// The rows are of velocity v, and not covered.
+  void set_velocity(const Scalar* v) {
+    measure(v, target_.data());
+    for (Count r = 0; r < order_; ++r) {
+      target_[r] = -target_[r];
+      cover_[r] = 0;
+    }
+  }
   Scalar cover(Count r) const { return cover_[r]; }
   const Scalar* covers() const { return cover_.data(); }
-  void set_cover(Count r, Scalar value) { cover_[r] = value; }
-  void set_target(Count r, Scalar value) { target_[r] = value; }
   const Scalar* inverse_column(Count r) const { return inverse_.data() + r * stride_; }
 
   Count find_row(Label label) const { return find(row_label_, label); }
@@ -114,6 +125,8 @@ class Kernel {
   }
   void put_column(Count j, Label label, const Scalar* c, Scalar norm) {
     column_label_[j] = label;
+    if (label.contact == kArtificial) artificial_ = j;
+    if (label.contact != kArtificial && artificial_ == j) artificial_ = -1;
     copy(column(j), c, padded_ngc_);
     norm_[j] = norm;
     if (!is_soft()) return;
@@ -151,6 +164,7 @@ class Kernel {
   /// The number of row labels becomes the order. False unless there are as many column labels.
   bool end_labels() {
     order_ = rows_left_;
+    artificial_ = find_column(Label{});
     return rows_left_ == columns_left_;
   }
 
@@ -191,12 +205,13 @@ class Kernel {
       norm_[j] = norm_[last];
       copy(column(j), column(last), column_length_);
     }
+    artificial_ = artificial_ == j ? -1 : (artificial_ == last ? j : artificial_);
   }
 
   /// Appends the row (b, cover) and the entering column c. rate = -K^-1 g as above.
   /// False when the new kernel is singular.
-  bool append(const Scalar* b, Scalar cover, Count artificial, const Scalar* c, const Scalar* rate) {
-    write_entries(b, cover, artificial);
+  bool append(const Scalar* b, Scalar cover, const Scalar* c, const Scalar* rate) {
+    write_entries(b, cover);
     const Scalar pivot = dot(b, c, extent_) + dot_entries(rate);
     if (!(magnitude(pivot) > 0)) return false;
     const Scalar reciprocal = Scalar(1) / pivot;
@@ -216,8 +231,8 @@ class Kernel {
   void grow() { ++order_; }
 
   /// The row (b, cover) takes the place of row r. False when the new kernel is singular.
-  bool replace_row(Count r, const Scalar* b, Scalar cover, Count artificial) {
-    write_entries(b, cover, artificial);
+  bool replace_row(Count r, const Scalar* b, Scalar cover) {
+    write_entries(b, cover);
     Scalar* const place = inverse_.data() + r * stride_;
     const Scalar pivot = dot_entries(place);
     if (!(magnitude(pivot) > 0)) return false;
@@ -254,12 +269,6 @@ class Kernel {
     target_[r] = -target_[r];
   }
 
-  /// Unknown j := -unknown j
-  void negate_unknown(Count j) {
-    scale(column(j), Scalar(-1), column_length_);
-    for (Count r = 0; r < order_; ++r) inverse_[r * stride_ + j] = -inverse_[r * stride_ + j];
-  }
-
   /// Row r -= row s, with the inverse: column s of K^-1 gains column r of it.
   void subtract_row(Count r, Count s) {
     add_multiple(inverse_.data() + s * stride_, Scalar(1), inverse_.data() + r * stride_, order_);
@@ -283,8 +292,8 @@ class Kernel {
 
   /// The inverse from rows and columns, by Gauss-Jordan elimination in the place where it is to stand, with pivots
   /// among the rows of K. False when singular, and the inverse is lost.
-  bool invert(Count artificial) {
-    write_transposed(artificial);
+  bool invert() {
+    write_transposed();
     for (Count step = 0; step < order_; ++step) {
       if (!eliminate(step)) return false;
     }
@@ -349,15 +358,15 @@ class Kernel {
   }
 
   /// K' in the place of K^-T, zeros in what fills the last pack of each row.
-  void write_transposed(Count artificial) {
+  void write_transposed() {
     for (Count j = 0; j < order_; ++j) {
       Scalar* const row = inverse_.data() + j * stride_;
       combine(rows_.data(), stride_, ngc_, column(j), row, order_);
       if (is_soft()) add_yields_of_column(j, row);
       for (Count r = order_; r < P::padded(order_); ++r) row[r] = 0;
     }
-    if (artificial < 0) return;
-    Scalar* const row = inverse_.data() + artificial * stride_;
+    if (artificial_ < 0) return;
+    Scalar* const row = inverse_.data() + artificial_ * stride_;
     for (Count r = 0; r < order_; ++r) row[r] += cover_[r];
   }
 
@@ -372,10 +381,10 @@ class Kernel {
   }
 
   /// The entries of a further row against all columns.
-  void write_entries(const Scalar* b, Scalar cover, Count artificial) {
+  void write_entries(const Scalar* b, Scalar cover) {
     for (Count j = 0; j < order_; j += P::kWidth) {
       const Pack covered = P::broadcast(cover);
-      const Pack own = covered - without_entry<Scalar>(covered, j, artificial);
+      const Pack own = covered - without_entry<Scalar>(covered, j, artificial_);
       const Pack entries = dots_with(b, columns_.data(), column_length_, j, padded_ngc_) + own;
       P::store(entries_.data() + j, entries_of<Scalar>(entries, j, order_));
     }
@@ -427,6 +436,7 @@ class Kernel {
   }
 
   Count ngc_ = 0, padded_ngc_ = 0, most_ = 0, stride_ = 0, order_ = 0;
+  Count artificial_ = -1;
   Count extent_ = 0, first_tangents_ = 0, entries_of_row_ = 0, column_length_ = 0;
   Count rows_left_ = 0, columns_left_ = 0;
   Buffer<Scalar> inverse_;  ///< column r of K^-1 (one entry per unknown) at r * stride_

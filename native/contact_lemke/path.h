@@ -1,55 +1,33 @@
 #pragma once
 
-#include "native/contact_lemke/contacts.h"
-#include "native/contact_lemke/covering_vector.h"
-#include "native/contact_lemke/friction_state.h"
-#include "native/contact_lemke/kernel.h"
-#include "native/contact_lemke/ratio_test.h"
+#include "native/contact_lemke/exchange.h"
 #include "native/contact_lemke/rounded_shares.h"
-#include "native/contact_lemke/visited_bases.h"
-#include "native/kernels/response.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// Lemke's path through the bases of a contact problem.
-///
-/// A contact that presses has friction impulses on a simplex of size mu f_N, spanned by its directions and the zero
-/// vector (see Contacts). One of the basic ones, the contact's base t, is eliminated by f_t = mu f_N - (the others),
-/// and with it lambda = -d_t'u and the cone row. What is left are unknowns with the columns
-///
-///     normal:     a = N_i + mu d_t   b = N_i            direction s:   a = b = d_s - d_t
-///
-/// so that the kernel B'G*A never exceeds rank(G) + 1 rows, the last for the artificial variable z0. The velocities of
-/// the rows of the kernel are zero; all other velocities follow from u = v + G* A x.
+/// Lemke's path through the bases of a contact problem (see Basis).
 template <class Scalar>
 class Path {
  public:
   /// Takes all memory that load() needs; touches hardly any of it.
   void reserve(const contact_lemke::Input& input) {
-    contacts_.reserve(input);
-    response_.reserve(input);
-    kernel_.reserve(contacts_, most_rows());
-    if constexpr (kRoundsShares) shares_.reserve(coordinates());
-    friction_.reserve(contacts_.nc() + 1);
+    basis_.reserve(input);
+    variables_.reserve();
     ratio_test_.reserve();
-    Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
-                                             &drift_};
-    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.extent());
-    Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
-    for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
-    simplex_.resize(contacts_.nc() + 1);
-    covering_.reserve();
-    slip_.resize(contacts_.most_padded_half());
+    exchange_.reserve();
+    basis_velocity_.resize(contacts_.extent());
+    if constexpr (kRoundsShares) {
+      shares_.reserve(basis_.coordinates());
+      rounded_.resize(kernel_.stride());
+    }
   }
 
   void load(const contact_lemke::Input& input) {
     reserve(input);
-    contacts_.load(input);
-    response_.load(input);
-    fill_with_zeros(contacts_.extent(), u_, du_, entering_response_, column_, row_);
-    simplex_[contacts_.nc()] = {};
+    basis_.load(input);
+    variables_.load();
     has_basis_ = false;
-    if constexpr (kRoundsShares) shares_.load(coordinates());
+    if constexpr (kRoundsShares) shares_.load(basis_.coordinates());
   }
 
   void set_velocity(const double* v) { contacts_.set_velocity(v); }
@@ -57,74 +35,138 @@ class Path {
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) {
     rules_ = rules;
     outcome_ = {};
-    outcome_.work = kWorkOfShortestPath;
-    outcome_.ending = rules.resume ? resume(z) : follow(z);
-    has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic;
+    basis_.work = kWorkOfShortestPath;
+    basis_.factorizations = 0;
+    outcome_.ending = follow(z);
+    outcome_.work = basis_.work;
+    outcome_.factorizations = basis_.factorizations;
+    has_basis_ = outcome_.ending == Ending::kSolved && !rules_.classic && kernel_.artificial() < 0;
     if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.extent());
     return outcome_;
   }
 
   Contacts<Scalar>& contacts() { return contacts_; }
-  Response<Scalar>& response() { return response_; }
+  Response<Scalar>& response() { return basis_.response; }
 
  private:
-  using P = Packed<Scalar>;
-  using Pack = typename P::Pack;
   using Ending = contact_lemke::Ending;
   using Kind = LeavingVariable::Kind;
-  using Tangents = typename Contacts<Scalar>::Tangents;
+  static constexpr Count kWorkOfShortestPath = 8000;
+  static constexpr bool kRoundsShares = sizeof(Scalar) > sizeof(double);
 
-  struct Entering {
-    bool is_velocity = false;  ///< a velocity of the kernel's rows, else an impulse
-    Label label;
-  };
-
-  /// Of the kernel, with room for one more.
-  Count most_rows() const {
-    Count rows = 0;
-    for (Count c = 0; c < contacts_.nc(); ++c) rows += 1 + (contacts_.has_friction(c) ? contacts_.edges(c) : 0);
-    return (rows < coordinates() ? rows : coordinates()) + 2;
-  }
-  /// With those of what contacts yield.
-  Count coordinates() const { return contacts_.is_soft() ? contacts_.extent() : contacts_.ngc(); }
-
-  // --- the path ---
-
-  /// From z = 0.
+  /// Lemke's method [Lemke 1965; Cottle, Pang, Stone 1992, algorithm 4.4.5]. z0 multiplies the covering vector.
+  ///
+  /// Impulses and velocities are complementary, those of friction by lambda and the cone row. Every basis on the way
+  /// has one of each pair, but for one pair that z0 stands in for. Nothing breaks ties in a fixed order: a path that
+  /// cycles ends at the limit on pivots.
   Ending follow(double* z) {
     if (expired()) return Ending::kTimeLimit;
-    begin();
-    if (!choose_first(entering_)) return Ending::kSolved;
-    return walk(z);
-  }
 
-  /// From an almost complementary basis, with entering_ to enter, to the end of the path.
-  Ending walk(double* z) {
+    // Step 0. At z = 0 all velocities are basic. The covering vector enters, as much of it as makes the most negative
+    // velocity zero, which leaves; its complement, an impulse, enters next. If no velocity is negative, z = 0 is the
+    // answer.
     Entering& entering = entering_;
+    if (rules_.resume) {
+      const Start start = resume();
+      if (start != Start::kOnPath) return start == Start::kAtAnswer ? finish(z) : Ending::kBreakdown;
+    } else {
+      begin();
+      const Label first = most_negative_velocity();
+      if (first.contact == kArtificial) return Ending::kSolved;
+      exchange_.start(first);
+      entering = {false, first};
+    }
+
     for (;;) {
-      if (outcome_.work >= rules_.max_work) {
+      if (basis_.work >= rules_.max_work) {
         outcome_.is_out_of_work = true;
         return Ending::kPivotLimit;
       }
-      if (rules_.reinvert && !invert()) return Ending::kBreakdown;
-      if (!compute_values()) return Ending::kBreakdown;
-      const Scalar z0 = x_[artificial_] * kernel_.norm(artificial_);
-      if (!(z0 > static_cast<Scalar>(kTieTolerance) * value_scale_)) return finish(z);
-      outcome_.cycles = comes_back(entering);
-      if (outcome_.cycles || outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
+      // Values of the basic variables. The answer is found if z0 is zero, by rounding.
+      if (rules_.reinvert && !basis_.invert()) return Ending::kBreakdown;
+      if (!variables_.compute_values(rules_.reinvert)) return Ending::kBreakdown;
+      const Count z0 = kernel_.artificial();
+      if (!(variables_.x[z0] * kernel_.norm(z0) > variables_.tie_tolerance())) return finish(z);
+      if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
       if (outcome_.pivots % 16 == 15 && expired()) return Ending::kTimeLimit;
-      if (!entering.is_velocity && entering.label.is_normal() && !rules_.classic)
-        activate_friction(entering.label.contact);
-      compute_rates(entering);
-      const LeavingVariable leaving = choose_leaving(compute_candidates(entering));
+
+      // Step 1. The ratio test: as the entering variable grows, the basic variable that comes to zero first leaves. A
+      // contact that begins to press brings its friction. No variable falls: the path ends on a secondary ray.
+      const bool presses = !entering.is_velocity && entering.label.is_normal();
+      if (presses && !rules_.classic) exchange_.activate_friction(entering.label.contact);
+      variables_.compute_rates(entering);
+      const LeavingVariable leaving = ratio_test_.find_leaving(entering);
       if (leaving.kind == Kind::kBroken) return Ending::kBreakdown;
-      if (leaving.kind == Kind::kNone) return Ending::kRay;
+      if (leaving.kind == Kind::kNone) {
+        if (friction_.count() == 0) write_ray(entering, z);
+        return Ending::kRay;
+      }
+
+      // Step 2. The exchange, after which the complement of the variable that left enters. If z0 left, the basis is
+      // complementary, and the answer is found.
       ++outcome_.pivots;
       count_pivot(entering);
-      const bool last = leaving.kind == Kind::kColumn && leaving.column == artificial_;
-      if (!exchange(entering, leaving)) return Ending::kBreakdown;
-      if (last) return finish(z);
+      const bool is_last = leaving.kind == Kind::kColumn && leaving.column == z0;
+      if (!exchange_.run(entering, leaving, !rules_.classic)) return Ending::kBreakdown;
+      if (is_last) return finish(z);
     }
+  }
+
+  bool expired() const { return rules_.clock_s != nullptr && !(rules_.clock_s() < rules_.deadline_s); }
+
+  void begin() {
+    basis_.clear();
+    variables_.begin();
+    ratio_test_.allow_normals();
+    basis_.covering.choose(rules_.classic, rules_.variant);
+    for (Count c = 0; rules_.classic && c < contacts_.nc(); ++c) {
+      if (contacts_.has_friction(c)) exchange_.activate_friction_with_base(c, contacts_.edges(c), true);
+    }
+  }
+
+  /// By the covering vector: the velocity that needs most of it. Label{} where none is negative.
+  Label most_negative_velocity() {
+    Label worst;
+    Scalar most = 0;
+    const auto offer = [&](Label label, Scalar velocity) {
+      const Scalar need = -velocity / basis_.covering.of(label);
+      if (!(need > most)) return;
+      most = need;
+      worst = label;
+    };
+    const Scalar* const normal_velocities = ratio_test_.normal_velocities(variables_.u.data());
+    for (Count c = 0; c < contacts_.nc(); ++c) offer(Label{c, kNormal}, normal_velocities[c]);
+    for (Count k = 0; k < friction_.count(); ++k) {
+      const Count c = friction_.contact(k);
+      const Scalar* const slip = exchange_.slip(c);
+      const Count half = contacts_.half(c);
+      for (Count t = 0; t < half; ++t) {
+        offer(Label{c, t}, slip[t]);
+        offer(Label{c, t + half}, -slip[t]);
+      }
+    }
+    return worst;
+  }
+
+  enum class Start { kAtAnswer, kOnPath, kImpossible };
+
+  /// The basis of the last solve, for v_b, is followed along v = v_now + z0 (v_b - v_now) from z0 = 1, where it is
+  /// complementary and feasible, to z0 = 0: Lemke's path with J'(v_b - v_now) as covering vector. No pivot is needed
+  /// where the basis stays feasible; else about as many as contacts change. Nothing is proven of its end.
+  Start resume() {
+    if (!has_basis_) return Start::kImpossible;
+    for (Count i = 0; i < contacts_.extent(); ++i) basis_.drift[i] = basis_velocity_[i] - contacts_.velocity()[i];
+    basis_.has_drift = true;
+    basis_.covering.clear();
+    kernel_.set_velocity(contacts_.velocity());
+    variables_.begin_at_drift(basis_.drift.data());
+    entering_ = {false, Label{}};
+    const LeavingVariable leaving = ratio_test_.find_leaving(entering_);
+    if (leaving.kind == Kind::kNone) return Start::kAtAnswer;
+    if (leaving.kind == Kind::kBroken) return Start::kImpossible;
+    variables_.reverse_drift();
+    ++outcome_.pivots;
+    return exchange_.run(entering_, leaving, true) ? Start::kOnPath : Start::kImpossible;
   }
 
   /// The work of a pivot that was as easy as most: values, rates and candidates, and the exchange. With the time that
@@ -133,351 +175,110 @@ class Path {
     constexpr Count kOfPivot = 2000, kOfCandidate = 4;
     const Count order = kernel_.order();
     const Count ngc = contacts_.ngc();
-    const Count candidates = contacts_.nc() + ratio_test_.end();
+    const Count candidates = contacts_.nc() + ratio_test_.slots();
     const Count products = contacts_.length_of_runs() * candidates + 5 * ngc * order + 4 * order * order;
-    const Count response = entering.is_velocity ? 0 : response_.work();
-    outcome_.work += products + response + kOfCandidate * ratio_test_.end() + kOfPivot;
-  }
-  static constexpr Count kWorkOfShortestPath = 8000;
-  void count_refinement() { outcome_.work += kernel_.order() * (kernel_.order() + 2 * contacts_.ngc()); }
-
-  /// True if the path has met this basis before. Returns false if values were refined on this path, because rounding
-  /// may have caused the repetition. Before pivot 64 it looks only when a contact begins to press.
-  bool comes_back(const Entering& entering) {
-    const bool presses = !entering.is_velocity && entering.label.is_normal();
-    is_strained_ = is_strained_ || refines_rates_;
-    if (is_strained_ || (!presses && outcome_.pivots < VisitedBases::kMost)) return false;
-    return visited_.note(VisitedBases::fingerprint(kernel_, friction_, entering.label, entering.is_velocity));
+    const Count response = entering.is_velocity ? 0 : basis_.response.work();
+    basis_.work += products + response + kOfCandidate * ratio_test_.slots() + kOfPivot;
   }
 
-  // --- from the last basis: path_continuation.h ---
-
-  Ending resume(double* z);
-  bool release_artificial();
-  void turn_to_drift();
-  void compute_values_before_drift();
-  bool turn_friction();
-  bool is_friction_of(Count contact, Count column) const {
-    const Label label = kernel_.column_label(column);
-    return label.contact == contact && !label.is_normal();
-  }
-  bool asks_for_turning(Count contact) const;
-  bool leave_unused_share_as_base(Count contact, const Entering& entering);
-  void turn(Count j);
-  void begin_where_friction_has_turned();
-  void compute_rates_of_drift();
-  void enter_artificial_backwards();
-
-  // --- the start ---
-
-  bool expired() const { return rules_.clock_s != nullptr && !(rules_.clock_s() < rules_.deadline_s); }
-
-  void begin() {
-    begin_walk();
-    kernel_.clear();
-    resumed_ = false;
-    friction_.clear(contacts_.nc() + 1);
-    ratio_test_.allow_normals();
-    covering_.choose(rules_.classic, rules_.variant);
-    speed_scale_ = contacts_.reach() * contacts_.speed();
-    if (contacts_.is_soft()) speed_scale_ += contacts_.creep();
-    copy(u_.data(), contacts_.velocity(), contacts_.extent());
-    artificial_ = -1;
-    if (rules_.classic) {
-      for (Count c = 0; c < contacts_.nc(); ++c) {
-        if (contacts_.has_friction(c)) activate_friction(c, contacts_.edges(c));
-      }
+  /// The impulses of the last basis, in double.
+  Ending finish(double* z) {
+    if (!variables_.compute_values(rules_.reinvert)) return Ending::kBreakdown;
+    variables_.refine();
+    const Scalar* impulses = variables_.x.data();
+    Scalar poison = 0;  // stays 0 unless an impulse is NaN or infinite
+    for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * impulses[j];
+    if (!(poison == 0)) return Ending::kBreakdown;
+    if constexpr (kRoundsShares) {
+      if (round_impulses()) impulses = rounded_.data();
     }
+    write_impulses(impulses, z);
+    return Ending::kSolved;
   }
 
-  void begin_walk() {
-    visited_.clear();
-    is_strained_ = false;
+  /// rounded_ := the impulses of the kernel's columns as doubles, 0 for those that are not positive. They are rounded
+  /// in turn, and each makes up for the rounding of those before (see RoundedShares), so that the velocities hardly
+  /// change. Nearly dependent contacts may have impulses of 1e12 N s that cancel: rounding each by itself changes velocities.
+  /// @returns false where there are no factors of G*, or the columns are dependent: then rounded_ is of no use
+  bool round_impulses() {
+    if (!basis_.response.has_factors()) return false;
+    const Scalar* const x = variables_.x.data();
+    const Scalar* const a = basis_.column.data();
+    const auto is_rounded = [&](Count j) { return j != kernel_.artificial() && x[j] > 0; };
+    shares_.clear();
+    for (Count j = 0; j < kernel_.order(); ++j) {
+      rounded_[j] = 0;
+      if (!is_rounded(j)) continue;
+      Scalar* const to = shares_.next_column();
+      if (to == nullptr) return false;  // more columns than coordinates: they are dependent
+      basis_.load_column(kernel_.column_label(j), basis_.column.data());
+      basis_.response.whiten(a, to);
+      for (Count i = contacts_.padded_ngc(); i < contacts_.extent(); ++i) {
+        to[i] = square_root(contacts_.compliance()[i - contacts_.padded_ngc()]) * a[i];
+      }
+      scale(to, x[j], contacts_.extent());
+    }
+    return shares_.round([&](Count column, Scalar share) {
+      Count j = 0;  // the kernel's column that is number `column` among the rounded ones
+      for (;; ++j) {
+        if (is_rounded(j) && column-- == 0) break;
+      }
+      const double value = static_cast<double>(share * x[j]);
+      rounded_[j] = value > 0 ? Scalar(value) : Scalar(0);
+      return rounded_[j] / x[j];
+    });
   }
 
-  /// z0 enters for the velocity that needs it most. False when z = 0 solves the problem.
-  bool choose_first(Entering& entering) {
-    x_[0] = 0;
-    compute_normal_velocities();
-    Label worst;
-    Scalar most = 0;
-    for (Count c = 0; c < contacts_.nc(); ++c) offer(Label{c, kNormal}, ratio_test_.values()[c], most, worst);
+  /// Writes impulses of the kernel's columns to z, negative ones as 0. The impulse of each contact's base, which is no
+  /// column, is what the others leave of mu f_N.
+  void write_impulses(const Scalar* impulses, double* z) const {
+    for (Count j = 0; j < kernel_.order(); ++j) {
+      const Label label = kernel_.column_label(j);
+      if (label.contact == kArtificial) continue;
+      const Scalar value = impulses[j] > 0 ? impulses[j] : Scalar(0);
+      if (label.is_normal()) z[label.contact] = static_cast<double>(value);
+      if (!label.is_normal()) write_friction(label, value, z);
+    }
     for (Count k = 0; k < friction_.count(); ++k) {
       const Count c = friction_.contact(k);
-      contacts_.slip(c, u_.data(), slip_.data());
-      const Count half = contacts_.half(c);
-      for (Count t = 0; t < half; ++t) {
-        offer(Label{c, t}, slip_[t], most, worst);
-        offer(Label{c, t + half}, -slip_[t], most, worst);
+      Scalar rest = 0;
+      for (Count j = 0; j < kernel_.order(); ++j) {
+        const Label label = kernel_.column_label(j);
+        if (label.contact == c && impulses[j] > 0) rest += basis_.simplex_weight(label) * impulses[j];
       }
-    }
-    if (!(most > 0)) return false;
-    entering = {false, worst};
-    start_kernel(worst);
-    return true;
-  }
-
-  void offer(Label label, Scalar velocity, Scalar& most, Label& worst) const {
-    const Scalar need = -velocity / covering_.of(label);
-    if (need > most) {
-      most = need;
-      worst = label;
+      write_friction(Label{c, friction_.base(c)}, rest > 0 ? rest : Scalar(0), z);
     }
   }
 
-  void start_kernel(Label row) {
-    load_row(row);
-    for (Count i = 0; i < contacts_.extent(); ++i) column_[i] = 0;
-    kernel_.put_row(0, row, row_.data(), covering_.of(row),
-                    -dot(row_.data(), contacts_.velocity(), contacts_.extent()));
-    kernel_.put_column(0, Label{}, column_.data(), Scalar(1));
-    kernel_.start(Scalar(1) / covering_.of(row));
-    artificial_ = 0;
-    ratio_test_.forbid(row);
-  }
-
-  // --- vectors of a label ---
-
-  /// b of a velocity
-  void load_row(Label label) {
-    if (label.is_normal()) return load_normal(label.contact, row_.data());
-    load_difference(label, row_.data());
-  }
-  /// a of an impulse
-  void load_column(Label label) {
-    const Count c = label.contact;
-    if (!label.is_normal()) return load_difference(label, column_.data());
-    if (!friction_.is_active(c)) return load_normal(c, column_.data());
-    const double* const base = contacts_.direction(c, friction_.base(c));
-    contacts_.get_sum(contacts_.impulse_column(c), contacts_.mu(c), base, column_.data());
-    if (!contacts_.is_soft()) return;
-    const Tangents along = contacts_.tangents(c, friction_.base(c));
-    load_yields(c, Scalar(1), {contacts_.mu(c) * along.first, contacts_.mu(c) * along.second}, column_.data());
-  }
-  void load_normal(Count contact, Scalar* to) {
-    contacts_.get_normal(contact, to);
-    if (contacts_.is_soft()) load_yields(contact, Scalar(1), {}, to);
-  }
-  void load_difference(Label label, Scalar* to) {
-    const Count c = label.contact;
-    contacts_.get_sum(contacts_.direction(c, label.direction), Scalar(-1), contacts_.direction(c, friction_.base(c)),
-                      to);
-    if (!contacts_.is_soft()) return;
-    const Tangents own = contacts_.tangents(c, label.direction), base = contacts_.tangents(c, friction_.base(c));
-    load_yields(c, Scalar(0), {own.first - base.first, own.second - base.second}, to);
-  }
-  /// The entries of a row or a column behind those of the coordinates.
-  void load_yields(Count contact, Scalar normal, Tangents along, Scalar* to) {
-    for (Count i = contacts_.padded_ngc(); i < contacts_.extent(); i += P::kWidth) P::store(to + i, Pack{});
-    to[contacts_.normal_at(contact)] = normal;
-    to[contacts_.tangents_at(contact)] = along.first;
-    to[contacts_.tangents_at(contact) + 1] = along.second;
-  }
-  /// response := the velocities that the impulses a cause, with what contacts yield. Both have extent() entries.
-  void respond(const Scalar* a, Scalar* response) {
-    response_.apply(a, response);
-    contacts_.yield(a, response);
-  }
-  /// At least the normal velocity that a response brings to any contact.
-  Scalar norm_of(const Scalar* response) const { return norm_of(response, contacts_.extent()); }
-  Scalar norm_of_column(Count j) const { return norm_of(kernel_.column(j), kernel_.column_length()); }
-  Scalar norm_of(const Scalar* response, Count length) const {
-    const Count ngc = contacts_.padded_ngc();
-    const Scalar moved = contacts_.reach() * square_root(dot(response, response, ngc));
-    return length > ngc ? moved + square_root(dot(response + ngc, response + ngc, length - ngc)) : moved;
-  }
-
-  // --- friction comes and goes ---
-
-  /// A contact begins to press: its friction starts in the direction against its slip.
-  void activate_friction(Count contact) {
-    if (!contacts_.has_friction(contact) || friction_.is_active(contact)) return;
-    contacts_.slip(contact, u_.data(), slip_.data());
-    const Count half = contacts_.half(contact);
-    Count base = 2 * half;
-    Scalar largest = 0;
-    for (Count t = 0; t < half; ++t) {  // without branches that nothing could foretell
-      const Scalar size = magnitude(slip_[t]);
-      base = size > largest ? t : base;
-      largest = size > largest ? size : largest;
-    }
-    if (base < half && !(slip_[base] < 0)) base += half;
-    activate_friction(contact, base);
-  }
-
-  void activate_friction(Count contact, Count base) {
-    friction_.activate(contact, base);
-    ratio_test_.allow_friction(contact);
-    FrictionSimplex<Scalar>& simplex = simplex_[contact];
-    simplex.directions = contacts_.block(contact);
-    simplex.allowed = ratio_test_.allowed_of(contact);
-    simplex.width = contacts_.padded_half(contact);
-    simplex.cover = covering_.of_directions(contact);
-    simplex.weights[0] = -1;
-    simplex.weights[1] = contacts_.mu(contact);
-    simplex.norms[1] = 0;
-    simplex.set_base(base, contacts_.half(contact));
-    if (rules_.classic) {
-      load_normal(contact, column_.data());
-      respond(column_.data(), row_.data());
-      simplex.norms[1] = norm_of(row_.data());
-      covering_.cover_cone(contact, simplex.norms[1]);
-    }
-  }
-
-  void set_base(Count contact, Count direction) {
-    friction_.set_base(contact, direction);
-    simplex_[contact].set_base(direction, contacts_.half(contact));
-  }
-
-  // --- values and rates: path_values.h ---
-
-  bool compute_values();
-  void compute_values_once() {
-    kernel_.solve_target(x_.data());
-    respond_to_values();
-  }
-  /// u_ and value_scale_ of x_.
-  void respond_to_values() {
-    kernel_.respond_from(contacts_.velocity(), x_.data(), u_.data());
-    measure_value_scale();
-  }
-  void measure_value_scale();
-  bool invert_and_recompute(Scalar& missed) {
-    if (!invert()) return false;
-    compute_values_once();
-    missed = largest_residual();
-    return true;
-  }
-  Scalar lost_residual() const { return static_cast<Scalar>(kLostRoundings * kUnitRoundoff<Scalar>) * value_scale_; }
-  Scalar residual_tolerance() const { return static_cast<Scalar>(kRefineTolerance) * speed_scale_; }
-  Scalar largest_residual();
-  Scalar refine();
-  void compute_rates(const Entering& entering);
-  void solve_for_rates();
-  /// Kernels of more rows may be so ill-conditioned that their inverse alone gives directions too noisy to tell a rate
-  /// of zero, as dependent contacts have it, from others.
-  bool large() const { return kernel_.order() > kLargeOrder; }
-  void refine_large_rates(Count row);
-  Scalar measure_rates(Count row);
-  void correct_rates(Count row);
-  Scalar artificial_value() const { return artificial_ >= 0 ? x_[artificial_] : Scalar(0); }
-  Scalar artificial_rate() const { return artificial_ >= 0 ? dx_[artificial_] : Scalar(0); }
-  Scalar compute_candidates(const Entering& entering);
-  template <bool kSkips>
-  Scalar compute_candidates_by(const Entering& entering);
-  void compute_column_candidates();
-  void compute_base_values(const Entering& entering);
-  Scalar simplex_weight(Label label) const { return label.is_normal() ? contacts_.mu(label.contact) : Scalar(-1); }
-  void compute_normal_velocities() {
-    const Count length = contacts_.padded_nc();
-    combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), ratio_test_.values(), length);
-  }
-  template <bool kSkips>
-  void offer_normals(LeastRatio<Scalar>& least);
-  template <bool kSkips>
-  void compute_slips(Count slot);
-  void add_yields_to_slips(Count slot);
-  void offer_contact(Count contact, bool enters, Count first, LeastRatio<Scalar>& least);
-  /// Where slip ends, lambda and the slip in the opposite direction reach zero together. In the ratio test lambda is
-  /// multiplied by this, so that it leaves first: the unused share of friction becomes basic, instead of the opposite
-  /// direction.
-  static constexpr double kStickingFirst = 4;
-
-  /// Column of z0 where it is no basic variable and has come to its end.
-  static constexpr Count kPastEnd = -2;
-  /// Rates of fall up to this count as zero.
-  Scalar least_rate() const {
-    const Scalar rounding = static_cast<Scalar>(kPivotTolerance) * rate_scale_;
-    const Scalar noise = static_cast<Scalar>(kSafeNoises) * rate_noise_;
-    return noise > rounding ? noise : rounding;
-  }
-  LeavingVariable choose_leaving(Scalar theta) const;
-
-  // --- exchanges: path_exchanges.h ---
-
-  bool exchange(Entering& entering, LeavingVariable leaving);
-  void drop_column(const Entering& entering, Count column);
-  bool bring_row(Entering& entering, Label leaving);
-  /// Another basic friction impulse of the contact becomes its base, the old base an unknown of the kernel.
-  /// @returns the column of the old base
-  Count change_base(Count contact, const Entering& entering) {
-    const Count place = largest_friction_column(contact);
-    make_base(contact, place, entering);
-    return place;
-  }
-  void make_base(Count contact, Count place, const Entering& entering);
-  Count largest_friction_column(Count contact) const;
-  void move_rows(Count contact, Count row);
-  void move_columns(Count contact, Count place, const Entering& entering);
-  bool replace_base_by_entering(Entering& entering);
-  bool has_friction_labels(Count contact, const Entering& entering) const {
-    return friction_.support(contact) > 0 || (entering.label.contact == contact && !entering.label.is_normal());
-  }
-  bool open_sticking(Entering& entering, Count contact);
-  bool rebuild();
-  void load_any_column(Label label);
-  bool invert() {
-    ++outcome_.factorizations;
-    outcome_.work += kernel_.order() * kernel_.order() * (kernel_.order() + contacts_.ngc());
-    return kernel_.invert(artificial_);
-  }
-
-  // --- ends: path_ends.h ---
-
-  static constexpr bool kRoundsShares = sizeof(Scalar) > sizeof(double);
-
-  Ending finish(double* z);
-  bool round_impulses(Scalar* rounded);
-  void write_impulses(const Scalar* impulses, double* z) const;
   void write_friction(Label label, Scalar value, double* z) const {
     if (label.direction == contacts_.edges(label.contact)) return;
     z[contacts_.nc() + contacts_.first_direction(label.contact) + label.direction] = static_cast<double>(value);
   }
 
+  /// The impulses u along a ray without friction. There 0 = u'w = u'M u + z0 u'd with u, M u + z0 d >= 0: N u is in
+  /// null(G), and z0 does not grow. @pre no contact has friction
+  void write_ray(const Entering& entering, double* z) const {
+    if (!entering.is_velocity) z[entering.label.contact] = 1;
+    for (Count j = 0; j < kernel_.order(); ++j) {
+      const Label label = kernel_.column_label(j);
+      if (label.is_normal() && variables_.dx[j] > 0) z[label.contact] = static_cast<double>(variables_.dx[j]);
+    }
+  }
+
   contact_lemke::Rules rules_;
   contact_lemke::Outcome outcome_;
-  Contacts<Scalar> contacts_;
-  Response<Scalar> response_;
-  Kernel<Scalar> kernel_;
+  Basis<Scalar> basis_;
+  BasicVariables<Scalar> variables_{basis_};
+  RatioTest<Scalar> ratio_test_{basis_, variables_};
+  Exchange<Scalar> exchange_{basis_, variables_, ratio_test_};
+  Contacts<Scalar>& contacts_ = basis_.contacts;
+  Kernel<Scalar>& kernel_ = basis_.kernel;
+  FrictionState& friction_ = basis_.friction;
   RoundedShares<Scalar> shares_;
-  Entering entering_;       ///< the variable that enters next
-  Count artificial_ = -1;   ///< column of z0
-  bool has_basis_ = false;  ///< that of a solve, at basis_velocity_
-  VisitedBases visited_;
-  bool resumed_ = false;  ///< z0 acts through drift_, not through a covering vector
-
-  Buffer<Scalar> x_, dx_, residual_, coefficients_;           ///< per column or row of the kernel
-  Buffer<Scalar> u_, du_, entering_response_, column_, row_;  ///< per generalized coordinate
-  Buffer<Scalar> basis_velocity_, drift_;
-  static constexpr double kWorthRefining = 1e-3;  ///< residual relative to the scale beyond which refining is slow
-  static constexpr double kLostRoundings = 10;    ///< residual after refinement that asks for inversion
-  static constexpr Count kLargeOrder = 32;        ///< no kernel of the paper's experiments 1 to 6 is as large
-  static constexpr Count kRateRefinements = 3;
-  /// A rate of at most this times the largest one counts as zero.
-  static constexpr double kPivotTolerance = 1000 * kUnitRoundoff<Scalar>;
-  /// Relative to value_scale_: the slack of the ratio test, and what counts as zero of the artificial variable.
-  static constexpr double kTieTolerance = 30 * kUnitRoundoff<Scalar>;
-  /// Relative to speed_scale_: basic variables that leave more velocity than this in the kernel's rows are refined.
-  static constexpr double kRefineTolerance = 1000 * kUnitRoundoff<Scalar>;
-  static constexpr double kSafeNoises = 100;  ///< a rate of at most so many times rate_noise_ counts as zero
-  bool refines_rates_ = false;
-  bool is_strained_ = false;  ///< values had to be refined on the path
-  Scalar entering_norm_ = 0;  ///< norm_of() the response to the entering impulse
-  Scalar rate_noise_ = 0;     ///< error of the rates of a large kernel's rows
-  // The largest terms that add up to velocities, to values and to rates.
-  Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
-
-  FrictionState friction_;
-  CoveringVector<Scalar> covering_{contacts_, friction_};
-  Buffer<FrictionSimplex<Scalar>> simplex_;  ///< by contact, and one more place for what is of none
-  Buffer<Scalar> slip_;
-  RatioTest<Scalar> ratio_test_{contacts_, kernel_, friction_};
+  Buffer<Scalar> rounded_;         ///< per column of the kernel
+  Entering entering_;              ///< the variable that enters next
+  bool has_basis_ = false;         ///< that of a solve, at basis_velocity_
+  Buffer<Scalar> basis_velocity_;  ///< extent() entries
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
-
-#include "native/contact_lemke/path_continuation.h"
-#include "native/contact_lemke/path_ends.h"
-#include "native/contact_lemke/path_exchanges.h"
-#include "native/contact_lemke/path_values.h"

@@ -24,7 +24,7 @@ constexpr int kSweepsOfOthers = 5;
 /// Units of psor's work in one of contact_lemke's; sums of such multiples have no rounding.
 constexpr double kWorkOfPart = 0.375;
 /// Of contact_lemke in one sweep of a part: more than most take, and a small part of what all its paths might.
-constexpr std::int64_t kFewestPivots = 50;
+constexpr std::int64_t kFewestPivots = 200;
 constexpr std::int64_t kPivotsPerContact = 8;
 
 }  // namespace
@@ -211,8 +211,7 @@ void ExactParts::load(const ContactBlocks& blocks, Part& part) {
 /// Solves the part's problem by contact_lemke.
 void ExactParts::solve(const ContactBlocks& blocks, double deadline_s, Part& part) {
   double pivots = 1;  // what loading or updating takes, as so many
-  const bool is_warm = part.is_loaded;
-  if (is_warm) {
+  if (part.is_loaded) {
     find_velocity(blocks, part);
     part.solver.update(part.v);
   } else {
@@ -220,7 +219,7 @@ void ExactParts::solve(const ContactBlocks& blocks, double deadline_s, Part& par
     work_ += kWorkOfPart * ContactLemke::load_work(part.problem, 0);
     pivots = static_cast<double>(part.contacts.size());
   }
-  part.solver.solve_within({.start = is_warm ? &part.start : nullptr, .deadline_s = deadline_s}, part.answer);
+  part.solver.solve_within({.deadline_s = deadline_s}, part.answer);
   work_ += kWorkOfPart * part.solver.work();
   pivots += static_cast<double>(std::max<std::int64_t>(part.answer.counters.pivots, 0));
   multiplications_ += 2 * pivots * static_cast<double>(part.v.size() * part.v.size());
@@ -266,7 +265,6 @@ ContactBlocks::Step ExactParts::sweep(ContactBlocks& blocks, double relaxation, 
     Part& part = *parts_[at];
     solve(blocks, deadline_s, part);
     if (part.answer.claim == Claim::kSolved) {
-      part.start = part.answer.z;
       take_answer(blocks, part);
       off = std::max(off, part.off);
       ++at;

@@ -28,7 +28,7 @@ class ExactParts {
   void extend(ContactBlocks& blocks);
 
   /// Solves each part for the velocity that the others leave it, goes half of the way to its answer, and sweeps the
-  /// other contacts a few times. From the second time on contact_lemke goes on from its last answer. Parts that it does
+  /// other contacts a few times. From the second time on contact_lemke goes on from its last basis. Parts that it does
   /// not solve in two paths in double, or in some pivots for each contact, are given back to the sweeps.
   /// @returns what the last of the sweeps changed, with the steps of the parts
   ContactBlocks::Step sweep(ContactBlocks& blocks, double relaxation, double deadline_s);
@@ -40,14 +40,16 @@ class ExactParts {
 
  private:
   struct Part {
-    explicit Part(std::shared_ptr<LaterEngines> later) : solver({}, std::move(later)) { solver.limit_stages(2); }
+    explicit Part(std::shared_ptr<LaterEngines> later) : solver({}, std::move(later)) {
+      solver.limit_stages(2);
+      solver.resume_bases();
+    }
 
     std::vector<Index> contacts;     // in the order of all
     std::vector<Index> coordinates;  // of the bodies that they touch
     Problem problem;
     ContactLemke solver;
     Answer answer;
-    Vector start;  // the last answer
     Vector v;
     bool is_loaded = false;
     double off = 0;  // in the last sweep

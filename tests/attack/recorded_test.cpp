@@ -123,8 +123,7 @@ Problem slow(double speed, double mass, double offset, const std::string& form) 
 
 /// Where velocities underflow in the metric of the inertia, impulses vanish before the velocities that they make.
 TEST(RecordedTest, ReturnedVelocitiesNearTheLeastDoubleAreThoseOfTheImpulses) {
-  std::vector<std::string> solvers = lcpbench::testing::native_solvers();
-  solvers.insert(solvers.end(), {"active_set{precision=double}", "active_set{precision=quad}"});
+  const std::vector<std::string> solvers = lcpbench::testing::native_solvers();
   int returned = 0;
   for (const double speed : {0.0, 1e-322, 6e-320, -6e-320, 1e-310, 1e-300, 1e-200, 1e-60, -1e-60, 1.0}) {
     for (const double mass : {1e-55, 1e-4, 1.0, 1e20}) {

@@ -15,7 +15,7 @@
 namespace lcpbench::active_set_bounds_test {
 namespace {
 
-using Whitening = active_set::LCPBENCH_LEVEL::Whitening<double>;
+using Whitening = active_set::LCPBENCH_LEVEL::Whitening;
 
 constexpr double kUnitRoundoff = 0x1p-53;
 

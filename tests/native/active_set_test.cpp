@@ -117,14 +117,12 @@ INSTANTIATE_TEST_SUITE_P(FullRank, ActiveSetOnPaperSets,
                                            std::pair{"paper/monotone/exp5-1e10", 1e-11}));
 
 // Six normals that span six coordinates within 3e-9 of dependence: impulses of 1e13 N s leave v+ = 0.
-TEST(ActiveSetTest, TheLastStageSolvesWhatDoubleAndCarelessRoundingCannot) {
+TEST(ActiveSetTest, LeavesToAutoWhatItCannotSolveInDouble) {
   const Problem problem = open_set("paper/monotone/exp5-1e10")->generate(77, 139);
-  Evaluator evaluator(problem);
-  EXPECT_EQ(solve(problem, {{"precision", "double"}}).claim, Claim::kNumericalFailure);
-  const Answer answer = solve(problem);
-  EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_EQ(answer.detail, "quad stage");
-  EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, 1e-5);
+  EXPECT_EQ(solve(problem).claim, Claim::kNumericalFailure);
+  const Answer answer = testing::solve(Spec{"auto", {}}, problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-5);
 }
 
 // As many active contacts as coordinates leave v+ = 0, where the others rest too; rounding says that one of them is
@@ -135,7 +133,6 @@ TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
     const Problem problem = open_set(name)->generate(20261120, trial);
     const Answer answer = solve(problem);
     EXPECT_EQ(answer.claim, Claim::kSolved) << name << ", trial " << trial;
-    EXPECT_EQ(answer.detail, "") << name << ", trial " << trial;  // more bits were asked to test it at most
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << name << ", trial " << trial;
   }
 }
@@ -168,30 +165,29 @@ TEST(ActiveSetTest, AContactThatNothingMovesMustPartByItself) {
   EXPECT_TRUE(Evaluator(problem(-0.5)).check_farkas(answer.farkas));
 }
 
-// The same with an inertia given by factors, which may be singular: that rounding is no proof in any precision.
+// The same with an inertia given by factors, which may be singular: that rounding is no proof.
 TEST(ActiveSetTest, RoundingAtRestIsNotTakenForAProof) {
   const Problem problem = open_set("paper/monotone/exp3")->generate(20261203, 8128);
-  for (const char* precision : {"double", "quad", "ladder"}) {
-    const Answer answer = solve(problem, {{"precision", precision}});
-    EXPECT_EQ(answer.claim, Claim::kSolved) << precision << ": " << answer.detail;
-    EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << precision;
-  }
+  const Answer answer = solve(problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
 }
 
 // 84.92 % of Experiment 3 are solvable, by the closed form of the paper's generator: 255 of 300 +- 6.2.
 TEST(ActiveSetTest, TellsSolvableFromUnsolvableInertiaOfLowRank) {
   const auto set = open_set("paper/monotone/exp3");
   const auto solver = active_set();
-  int solvable = 0;
+  int solvable = 0, claimed = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const Problem problem = set->generate(8, trial);
     solver->load(problem);
     const Answer answer = solve(*solver);
     if (answer.farkas.size() > 0) continue;  // shown to be unsolvable, if not by doubles
-    ASSERT_EQ(answer.claim, Claim::kSolved) << "trial " << trial << ": " << answer.detail;
-    ASSERT_TRUE(Evaluator(problem).errors(answer).solved) << "trial " << trial;
+    ASSERT_TRUE(Evaluator(problem).errors(answer).solved) << "trial " << trial << ": " << answer.detail;
     ++solvable;
+    claimed += answer.claim == Claim::kSolved ? 1 : 0;
   }
+  EXPECT_GE(claimed, 9 * solvable / 10);
   EXPECT_GE(solvable, 230);
   EXPECT_LE(solvable, 279);
 }
@@ -240,8 +236,8 @@ TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
   const auto set = open_set("paper/monotone/exp2");
   for (const IsaLevel level : {IsaLevel::kAvx2, IsaLevel::kAvx512}) {
     if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
-    ActiveSet baseline({.precision = ActiveSetPrecision::kDouble}, IsaLevel::kBaseline);
-    ActiveSet vectorised({.precision = ActiveSetPrecision::kDouble}, level);
+    ActiveSet baseline(ActiveSetSettings{}, IsaLevel::kBaseline);
+    ActiveSet vectorised(ActiveSetSettings{}, level);
     int compared = 0;
     for (int trial = 0; trial < 40; ++trial) {
       const Problem problem = set->generate(6, trial);
@@ -290,7 +286,7 @@ TEST(ActiveSetTest, WarmStartAtLeastHalvesTheStepsOfARestingStack) {
 
 TEST(ActiveSetTest, ClaimsNothingThatItsOwnTestDoesNotBear) {
   const Problem problem = open_set("paper/monotone/exp5-1e8")->generate(1, 3);
-  const Answer answer = solve(problem, {{"accept_residual", "1e-300"}, {"precision", "double"}});
+  const Answer answer = solve(problem, {{"accept_residual", "1e-300"}});
   EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
   EXPECT_EQ(answer.detail, "own test failed");
 }
@@ -303,12 +299,10 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
   for (const double speed : {1e160, 1e300, 1e308, 1.7e308}) {
     for (const Inertia& inertia : {Inertia{InverseInertia{A}}, Inertia{DenseInertia{A}}}) {
       const Problem problem("fast", frictionless(testing::vector_of({-speed, 0.25}), N, inertia));
-      for (const char* precision : {"double", "ladder", "quad"}) {
-        const Answer answer = solve(problem, {{"precision", precision}});
-        EXPECT_NE(answer.claim, Claim::kUnsolvable) << speed << " " << precision;
-        if (answer.claim != Claim::kSolved) continue;
-        EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << speed << " " << precision;
-      }
+      const Answer answer = solve(problem);
+      EXPECT_NE(answer.claim, Claim::kUnsolvable) << speed;
+      if (answer.claim != Claim::kSolved) continue;
+      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << speed;
     }
   }
 }
@@ -320,8 +314,6 @@ TEST(ActiveSetTest, LoadsWithoutAllocatingWhatWasReserved) {
   for (const char* name : {"paper/monotone/exp2", "paper/monotone/exp4"}) {
     for (std::int64_t trial = 0; trial < 8; ++trial) problems.push_back(open_set(name)->generate(55, trial));
   }
-  // And one that climbs to the last stage.
-  problems.push_back(open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544));
   testing::expect_loads_without_allocating([] { return ActiveSet(ActiveSetSettings{}); }, problems);
 }
 

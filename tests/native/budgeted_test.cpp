@@ -44,13 +44,10 @@ std::vector<Method> methods() {
   ContactLemkeSettings quad, strict;
   quad.precision = ContactLemkePrecision::kQuad;
   strict.accept_residual = 0;  // climbs to the last stage
-  ActiveSetSettings climbs;
-  climbs.accept_residual = 0;
   all.push_back({"contact_lemke", std::make_unique<ContactLemke>(ContactLemkeSettings{})});
   all.push_back({"contact_lemke in 113 bits", std::make_unique<ContactLemke>(quad)});
   all.push_back({"contact_lemke on every stage", std::make_unique<ContactLemke>(strict)});
   all.push_back({"active_set", std::make_unique<ActiveSet>(ActiveSetSettings{})});
-  all.push_back({"active_set on every stage", std::make_unique<ActiveSet>(climbs)});
   return all;
 }
 
@@ -170,6 +167,19 @@ TEST(BudgetedTest, ABudgetEndsTheSolveAndALargerOneChangesNothing) {
     }
   }
   EXPECT_GE(ended_by_budget, 200);
+}
+
+// A path of pivots ends within a few of them, not at its end.
+TEST(BudgetedTest, EndsContactLemkeAtItsBudget) {
+  const Problem wall("wall", testing::frictional_brick_wall(6, 8, 0.5));
+  ContactLemke solver{ContactLemkeSettings{}};
+  solver.load(wall);
+  const double whole = solve_within(solver).work;
+  const Outcome part = solve_within(solver, {.work = whole / 4});
+  EXPECT_FALSE(part.has_ended);
+  EXPECT_EQ(part.answer.claim, Claim::kIterationLimit);
+  EXPECT_GE(part.work, whole / 4);
+  EXPECT_LE(part.work, whole / 3);
 }
 
 TEST(BudgetedTest, TheStatedErrorIsClaimedAndNoMore) {

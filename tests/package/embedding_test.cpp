@@ -114,7 +114,7 @@ TEST(EmbeddingTest, DenseInertiaAndItsBlocksGiveTheSameVelocity) {
 }
 
 TEST(EmbeddingTest, ReturnsTheVelocityOfTheSolverWhereItHasOne) {
-  ContactSolver solver("active_set{precision=quad}");
+  ContactSolver solver("active_set");
   solver.load(box_on_ground(0));
   solver.set_velocity(falling());
   ASSERT_EQ(solver.solve(), Claim::kSolved);
@@ -174,7 +174,7 @@ TEST(EmbeddingTest, ASolveOfSoftContactsAllocatesNothing) {
     std::string spec;
     double offset = 0;
   };
-  const std::vector<Case> cases{{"active_set{precision=quad}"}, {"velocity_ipm"}, {"lemke"}, {"lemke", 1e-3}};
+  const std::vector<Case> cases{{"active_set"}, {"velocity_ipm"}, {"lemke"}, {"lemke", 1e-3}};
   for (const auto& [spec, offset] : cases) {
     SCOPED_TRACE(spec);
     RigidScene scene = box_on_ground(spec == "lemke" ? 0.5 : 0);
