@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -74,9 +75,7 @@ double error_of(const AutoSettings& settings) {
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {
-    if (settings.impulses == Impulses::kEven) {
-      even_ = std::make_unique<EvenImpulses>(std::make_unique<Auto>(AutoSettings{}));
-    }
+    if (settings.impulses == Impulses::kEven) even_.emplace();
   }
   const Capabilities& capabilities() const override { return kCapabilities; }
 
@@ -130,7 +129,7 @@ class Auto final : public Solver {
   std::vector<char> carries_;                              // per contact: its lambda is in its island's answer
   Index falling_ = -1;  // a contact of no island whose offset is negative: no impulse helps it
   Vector v_, u_;
-  std::unique_ptr<EvenImpulses> even_;  ///< where they are asked for
+  std::optional<EvenImpulses> even_;  ///< where they are asked for
 };
 
 /// @param to_hold the contacts are those of the next step
@@ -139,7 +138,7 @@ void Auto::load(const Problem& problem, bool to_hold) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return load_blocks(problem);
   v_ = contact->v;
-  if (even_ != nullptr) even_->load(problem);
+  if (even_.has_value()) even_->load(problem);
   const bool strips = has_rows_to_strip(*contact);
   const bool is_coupled = couples_all(contact->inertia) && !strips;
   is_whole_ = is_coupled && !contact->has_offset() && !contact->is_soft();  // contacts that move nothing do not matter
@@ -227,7 +226,7 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  if (even_ != nullptr) even_->set_velocity(v);
+  if (even_.has_value()) even_->set_velocity(v);
   for (std::size_t k = 0; !is_whole_ && k < count_; ++k) islands_[k]->update(v_);
   if (!is_whole_) return;
   if (!has_methods_) return load_whole(false);
@@ -261,7 +260,7 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
     answer.velocity.resize(0);
   } else if (problem().contact() != nullptr) {
     answer.impulses = Impulses::kAny;
-    if (even_ != nullptr) make_even(deadline_s, answer);
+    if (even_.has_value()) make_even(deadline_s, answer);
   }
 }
 
