@@ -138,7 +138,7 @@ EvenImpulses::Section EvenImpulses::section_of(std::size_t contact, double still
   if (rows_[contact].friction < 0 || !(state_.mu(i) > 0)) return {Form::kNormal};
   const FrictionPolygon& polygon = *polygons_.of(contact);
   const Eigen::Vector2d slip =
-      rows_[contact].velocity(state_.u).tail<2>() + state_.creep(state_.frictions[at(rows_[contact].friction)]);
+      rows_[contact].velocity(state_.u).tail<2>() + state_.tangential_offset(state_.frictions[at(rows_[contact].friction)]);
   const Index side = polygon.side_of(-slip);  // the directions of its corners are the most against the slip
   const double first = polygon.direction(side).dot(slip), second = polygon.direction(side + 1).dot(slip);
   if (-std::min(first, second) <= still) return {Form::kPolygon};
