@@ -18,22 +18,22 @@ constexpr double kNoise = 10;
 
 /// Added to the matrix, relative to D, so that it is regular. A step leaves about this part of the residual, over the
 /// least eigenvalue of the scaled matrix; the next one with the same factors takes it away. Where no part of a step
-/// makes the residual smaller, kMore times as much is added, up to about kMostAdded.
-constexpr double kAdded = 1e-13, kMore = 100, kMostAdded = 0.1;
+/// makes the residual smaller, kMore times as much is added, up to about kMaxAdded.
+constexpr double kAdded = 1e-13, kMore = 100, kMaxAdded = 0.1;
 /// Of D over the masses, relative to the largest: less is the rounding of levers that are zero.
 constexpr double kLeastLever = 1e-16;
 
 /// From each start. Most problems take fewer than ten.
-constexpr int kMostFactorizations = 50;
+constexpr int kMaxFactorizations = 50;
 /// The residual has to fall by this part of itself times the step's length, which is halved down to the second.
 constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-10;
 /// Relative to g: with such a residual the pieces are known but for rounding; with more than the second, they are not.
 constexpr double kClose = 1e-10, kLargestResidual = 1e-7;
 /// A step with the same factors that leaves more than this part made no progress. Four such steps in a row are the end.
 constexpr double kProgress = 0.5;
-constexpr int kMostIdle = 4, kMostRefinements = 5;
-/// The values of s before zero, from 1 on, and by what each is smaller than the last. They lead to 97 of 102 answers that
-/// Newton's method misses from zero; with a fall by 0.01 to 77, and on to 1e-13 to 49.
+constexpr int kMaxIdle = 4, kMaxRefinements = 5;
+/// The values of s before zero, from 1 on, and by what each is smaller than the last. They lead to 97 of 102 answers
+/// that Newton's method misses from zero; with a fall by 0.01 to 77, and on to 1e-13 to 49.
 constexpr int kPathPoints = 10;
 constexpr double kPathFall = 0.1;
 
@@ -137,8 +137,8 @@ EvenImpulses::Section EvenImpulses::section_of(std::size_t contact, double still
   if (!(state_.normal_velocity(i) <= still)) return {};
   if (rows_[contact].friction < 0 || !(state_.mu(i) > 0)) return {Form::kNormal};
   const FrictionPolygon& polygon = *polygons_.of(contact);
-  const Eigen::Vector2d slip =
-      rows_[contact].velocity(state_.u).tail<2>() + state_.tangential_offset(state_.frictions[at(rows_[contact].friction)]);
+  const SignedFriction& friction = state_.frictions[at(rows_[contact].friction)];
+  const Eigen::Vector2d slip = rows_[contact].velocity(state_.u).tail<2>() + state_.tangential_offset(friction);
   const Index side = polygon.side_of(-slip);  // the directions of its corners are the most against the slip
   const double first = polygon.direction(side).dot(slip), second = polygon.direction(side + 1).dot(slip);
   if (-std::min(first, second) <= still) return {Form::kPolygon};
@@ -172,9 +172,9 @@ void EvenImpulses::follow_path(double deadline_s) {
 bool EvenImpulses::balance(double deadline_s) {
   factored_.clear();
   const double whole = size_of(sum_);
-  const std::int64_t last = factorizations_ + kMostFactorizations;
+  const std::int64_t last = factorizations_ + kMaxFactorizations;
   double size = size_of(now_.residual), least = size, added = kAdded + path_;
-  for (int idle = 0; size > kClose * whole && idle < kMostIdle;) {
+  for (int idle = 0; size > kClose * whole && idle < kMaxIdle;) {
     const bool is_same = now_.slope == factored_;
     if (!is_same) {
       if (factorizations_ == last || !(wall_clock_s() < deadline_s)) return false;
@@ -185,7 +185,7 @@ bool EvenImpulses::balance(double deadline_s) {
     step_ = now_.residual;
     matrix_.solve(step_);
     if (!search()) {
-      if (added >= kMostAdded) break;
+      if (added >= kMaxAdded) break;
       added *= kMore;
       factored_.clear();
       continue;
@@ -287,7 +287,7 @@ void EvenImpulses::refine() {
   }
   now_.residual += whole_ - sum_;
   double size = size_of(now_.residual);
-  for (int k = 0; k < kMostRefinements; ++k) {
+  for (int k = 0; k < kMaxRefinements; ++k) {
     step_ = now_.residual;
     matrix_.solve(step_);
     next_.residual = whole_;

@@ -12,8 +12,8 @@
 
 namespace lcpbench {
 
-/// The impulses that an answer's velocity v+ has if all hard contacts yield by the same compliance r, in the limit of
-/// r = 0: w_N = N'v + b + r f_N, and r f_T for the net friction f_T = C f_D alike (see ContactProblem). They satisfy
+/// The impulses that an answer's velocity v+ has if all hard contacts yield by the same compliance r, in the limit of r
+/// = 0: w_N = N'v + b + r f_N, and r f_T for the net friction f_T = C f_D alike (see ContactProblem). They satisfy
 /// every condition of contact at v+. Soft contacts keep their impulses: the velocity decides them.
 ///
 /// With J_c the rows of a contact's normal and tangents, and y = (v+ - v) / r, the contact carries f_c(J_c y): the
@@ -23,9 +23,9 @@ namespace lcpbench {
 /// its sum of squares the least one, only where contacts stick and press with friction below its limit. With g the sum
 /// of J_c'f_c of the answer, and D the diagonal of J'J,
 ///     s D y + sum J_c'f_c(J_c y) = g
-/// is at s = 0 the equation for y. It is linear by pieces: Newton's method with a line search, from zero. If that fails,
-/// s falls from 1 to zero, and each solution is the next one's start. [Qi, Sun 1993, A nonsmooth version of Newton's
-/// method]
+/// is at s = 0 the equation for y. It is linear by pieces: Newton's method with a line search, from zero. If that
+/// fails, s falls from 1 to zero, and each solution is the next one's start. [Qi, Sun 1993, A nonsmooth version of
+/// Newton's method]
 ///
 /// Each set of pieces that it passes costs one LU factorization of a matrix of the pairs of coordinates that contacts
 /// couple. If v+ is not the limit of v, no y exists.

@@ -123,9 +123,9 @@ void expect_same_as_soft(const Problem& problem) {
       << problem.name() << " of " << impulses.cols() << " contacts";
 }
 
-/// Where the velocity of soft contacts comes to that of `auto` the impulses do, too, but for one problem of 54; elsewhere
-/// it has the answer that it has without them. With friction soft contacts may have several answers: one with more
-/// energy is not the limit. What is left of the compliance is taken away by a second one of half its size.
+/// Where the velocity of soft contacts comes to that of `auto` the impulses do, too, but for one problem of 54;
+/// elsewhere it has the answer that it has without them. With friction soft contacts may have several answers: one with
+/// more energy is not the limit. What is left of the compliance is taken away by a second one of half its size.
 TEST(EvenImpulsesTest, AreThoseOfVanishingCompliance) {
   int compared = 0, kept = 0, missed = 0;
   for (const char* name :
