@@ -162,7 +162,7 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
     }
     const double r = problem.tangential_compliance(contact);
     Yielding own(r != 0 ? r : 1.0, mass);
-    if (r == 0) {  // What only creeps has a coordinate that impulses move by less than the rounding of M.
+    if (r == 0) {  // A tangential offset alone has a coordinate that impulses move by less than the rounding of M.
       own.entry = std::ldexp(unit_at(least_size(problem.D, column, column + edges)), -25);
       // Nothing bounds the mass behind a given G*: this one is infinite there.
       const bool is_given = std::holds_alternative<InverseInertia>(problem.inertia);

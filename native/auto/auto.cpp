@@ -2,18 +2,17 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/islands.h"
-#include "core/mixed_lcp.h"
 #include "core/registry.h"
 #include "core/settings.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/rest.h"
-#include "native/auto/bare_lcp.h"
+#include "native/auto/bare_blocks.h"
 #include "native/auto/even_impulses.h"
 #include "native/auto/island.h"
 #include "native/auto/island_solver.h"
@@ -48,7 +47,7 @@ struct AutoSettings {
 
 /// Most coordinates of a small island. To load several such in turn into the same solvers takes no more time than to
 /// fill memory of its own for each.
-constexpr std::size_t kMostInTurn = 64;
+constexpr std::size_t kMaxInTurn = 64;
 
 /// A smaller stated error counts as this one: iterative methods in double reach it, as a rule.
 constexpr double kLeastError = 1e-12;
@@ -59,9 +58,45 @@ double error_of(const AutoSettings& settings) {
   return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
 }
 
-/// What a user should call: an IslandSolver for each island of contacts, BareLcp for each block of a bare LCP, in which
-/// free unknowns that were written as the difference of two are one again. Hands out the best answer that was tested.
-/// See docs/reference/solvers/auto.md.
+AutoLimits limits_of(const SolveRequest& request, const AutoSettings& settings) {
+  return {.deadline_s = wall_clock_s() + request.time_limit_s, .error = error_of(settings)};
+}
+
+/// Whether friction has rows, but no impulse: they may be left out.
+bool has_rows_to_strip(const ContactProblem& contact) {
+  return contact.frictional() && !(contact.mu.array() > 0).any();
+}
+
+/// Whether every contact is in one island, and little that no contact moves is left beside it. To cut a problem out of
+/// itself would cost a third of the time of a few contacts.
+/// @param numbers those of the problem @param idle coordinates that no contact moves
+bool is_one_island(const ContactProblem& contact, const IslandNumbers& numbers, Index idle) {
+  const auto is_in = [](Index island) { return island == 0; };
+  return numbers.count == 1 && 2 * idle <= contact.ngc() && std::ranges::all_of(numbers.of_contact, is_in);
+}
+
+/// Whether no contact approaches at v: then zero impulses solve the whole problem.
+bool nothing_approaches(const ContactProblem& contact, const Vector& v) {
+  const bool to_rounding = may_be_unsolvable(contact);
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (may_approach(contact, c, v, to_rounding)) return false;
+  }
+  return true;
+}
+
+/// Whether zero impulses solve a problem that no method solved, by the measure of the verdict: it allows for rounding.
+bool rests(const ContactProblem& contact, const Vector& v) {
+  const ContactLayout layout = contact_layout(contact);
+  RestTest test(contact, layout, v);
+  for (Index c = 0; c < layout.nc; ++c) test.add(c);
+  return test.passes();
+}
+
+/// What a user should call: an IslandSolver for each island of contacts, BareBlocks for a bare LCP. Hands out the best
+/// answer that was tested. See docs/reference/solvers/auto.md.
+///
+/// On each island the methods take turns (island_solver.h) in an order (order.cpp). Rest is found in island_rest.cpp.
+/// An island is unsolvable if a method or AnswerTest proves it (IslandSolver::take_turns).
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
@@ -74,9 +109,7 @@ double error_of(const AutoSettings& settings) {
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {
-    if (settings.impulses == Impulses::kEven) {
-      even_ = std::make_unique<EvenImpulses>(std::make_unique<Auto>(AutoSettings{}));
-    }
+    if (settings.impulses == Impulses::kEven) even_.emplace();
   }
   const Capabilities& capabilities() const override { return kCapabilities; }
 
@@ -86,33 +119,17 @@ class Auto final : public Solver {
   void on_change(const Problem& problem) override { load(problem, true); }
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
-  static bool has_rows_to_strip(const ContactProblem& contact);
-  bool is_one_island(const ContactProblem& contact, Index idle) const;
-  void load(const Problem& problem, bool to_hold);
-  void load_blocks(const Problem& problem);
-  void load_whole(bool to_hold);
-  void load_islands(const ContactProblem& contact, bool to_hold);
-  AutoLimits limits_of(const SolveRequest& request) const;
-  bool solve_with_free_unknowns(const SolveRequest& request, Answer& answer);
-  void solve_blocks(const SolveRequest& request, Answer& answer);
+  void load(const Problem& problem, bool is_next_step);
+  void load_whole(bool is_next_step);
+  void load_islands(const ContactProblem& contact, bool is_next_step);
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(const IslandOfProblem& island, Answer& answer) const;
-  /// Whether no contact approaches at v: then zero impulses solve the whole problem.
-  bool nothing_approaches() const;
-  void remain_at_rest(AutoReport& report, Answer& answer) const;
-  bool whole_rests() const;
   void bound_slips(const Vector& u, Vector& z) const;
   void make_even(double deadline_s, Answer& answer);
 
   AutoSettings settings_;
-  BareLcp lcp_;
-  std::vector<std::vector<Index>> blocks_;  ///< rows of a bare LCP that M connects, where they are not all
-  std::vector<std::pair<Index, Index>> pairs_;  ///< rows of a bare LCP that are one free unknown
-  std::vector<Index> of_free_;                  ///< the row of each row of free_'s problem
-  std::unique_ptr<Auto> free_;                  ///< solves it with free unknowns in the place of pairs_
-  bool joins_pairs_ = true;  ///< not in free_: unknowns that cannot be eliminated come back as the same pairs
-  Answer part_;
+  BareBlocks bare_;  ///< of bare LCPs, all
 
   std::shared_ptr<LaterEngines> later_;
   Methods shared_{later_};
@@ -130,78 +147,38 @@ class Auto final : public Solver {
   std::vector<char> carries_;                              // per contact: its lambda is in its island's answer
   Index falling_ = -1;  // a contact of no island whose offset is negative: no impulse helps it
   Vector v_, u_;
-  std::unique_ptr<EvenImpulses> even_;  ///< where they are asked for
+  std::optional<EvenImpulses> even_;  ///< where they are asked for
 };
 
-/// @param to_hold the contacts are those of the next step
-void Auto::load(const Problem& problem, bool to_hold) {
+/// @param is_next_step its contacts are those of the next step
+void Auto::load(const Problem& problem, bool is_next_step) {
   is_whole_ = may_remain_ = false;
   const ContactProblem* contact = problem.contact();
-  if (contact == nullptr) return load_blocks(problem);
+  if (contact == nullptr) return bare_.load_finite(problem);
   v_ = contact->v;
-  if (even_ != nullptr) even_->load(problem);
+  if (even_.has_value()) even_->load(problem);
   const bool strips = has_rows_to_strip(*contact);
   const bool is_coupled = couples_all(contact->inertia) && !strips;
   is_whole_ = is_coupled && !contact->has_offset() && !contact->is_soft();  // contacts that move nothing do not matter
   whole_.expect_idle(0);
-  if (is_whole_) return load_whole(to_hold);
+  if (is_whole_) return load_whole(is_next_step);
   numbers_.find(*contact);
   const Index idle = std::count(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), -1);
-  is_whole_ = is_one_island(*contact, idle) && (is_coupled || (!strips && !may_be_singular(*contact)));
+  is_whole_ = is_one_island(*contact, numbers_, idle) && (is_coupled || (!strips && !may_be_singular(*contact)));
   whole_.expect_idle(idle);
   may_remain_ = is_whole_ && !is_coupled;
-  if (is_whole_) return load_whole(to_hold);
-  load_islands(*contact, to_hold);
+  if (is_whole_) return load_whole(is_next_step);
+  load_islands(*contact, is_next_step);
 }
 
-void Auto::load_blocks(const Problem& problem) {
-  pairs_.clear();
-  if (joins_pairs_) pairs_ = split_unknowns(problem.lcp());
-  if (!pairs_.empty()) {
-    if (free_ == nullptr) free_ = std::make_unique<Auto>(AutoSettings{});
-    free_->joins_pairs_ = false;
-    free_->Solver::load(Problem("", with_free_unknowns(problem.lcp(), pairs_, of_free_)));
-  }
-  const RowIslands islands = row_islands(problem.lcp().M);
-  blocks_.clear();
-  if (islands.count < 2) return lcp_.load(problem);
-  blocks_.resize(static_cast<std::size_t>(islands.count));
-  for (Index i = 0; i < problem.size(); ++i) {
-    blocks_[static_cast<std::size_t>(islands.of_row[static_cast<std::size_t>(i)])].push_back(i);
-  }
-}
-
-/// Whether friction has rows, but no impulse: they may be left out.
-bool Auto::has_rows_to_strip(const ContactProblem& contact) {
-  return contact.frictional() && !(contact.mu.array() > 0).any();
-}
-
-/// Whether every contact is in one island, and little that no contact moves is left beside it. To cut a problem out of
-/// itself would cost a third of the time of a few contacts.
-/// @pre numbers_ are those of the problem @param idle coordinates that no contact moves
-bool Auto::is_one_island(const ContactProblem& contact, Index idle) const {
-  const auto is_in = [](Index island) { return island == 0; };
-  return numbers_.count == 1 && 2 * idle <= contact.ngc() &&
-         std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in);
-}
-
-bool Auto::nothing_approaches() const {
-  const ContactProblem& contact = *problem().contact();
-  const bool to_rounding = may_be_unsolvable(contact);
-  for (Index c = 0; c < contact.nc(); ++c) {
-    if (may_approach(contact, c, v_, to_rounding)) return false;
-  }
-  return true;
-}
-
-void Auto::load_whole(bool to_hold) {
-  remains_ = may_remain_ && nothing_approaches();
+void Auto::load_whole(bool is_next_step) {
+  remains_ = may_remain_ && nothing_approaches(*problem().contact(), v_);
   has_methods_ = !remains_;
   if (remains_) return;
-  whole_.load(problem(), v_, {.after_guess = to_hold});
+  whole_.load(problem(), v_, {.after_guess = is_next_step});
 }
 
-void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
+void Auto::load_islands(const ContactProblem& contact, bool is_next_step) {
   numbers_.list(found_);
   falling_ = -1;
   for (Index c = 0; c < contact.nc(); ++c) {
@@ -219,26 +196,26 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
     islands_.push_back(std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_)));
   }
   for (std::size_t k = 0; k < count_; ++k) {
-    const bool is_small = count_ > 1 && found_[k].coordinates.size() <= kMostInTurn;
-    islands_[k]->load(cutter_, found_[k], v_, carries_, {.in_turn = is_small, .after_guess = to_hold});
+    const bool is_small = count_ > 1 && found_[k].coordinates.size() <= kMaxInTurn;
+    islands_[k]->load(cutter_, found_[k], v_, carries_, {.in_turn = is_small, .after_guess = is_next_step});
   }
 }
 
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  if (even_ != nullptr) even_->set_velocity(v);
+  if (even_.has_value()) even_->set_velocity(v);
   for (std::size_t k = 0; !is_whole_ && k < count_; ++k) islands_[k]->update(v_);
   if (!is_whole_) return;
   if (!has_methods_) return load_whole(false);
-  remains_ = may_remain_ && nothing_approaches();
+  remains_ = may_remain_ && nothing_approaches(*problem().contact(), v_);
   if (!remains_) whole_.update(v_);
 }
 
 void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
   if (problem().contact() == nullptr) {
-    solve_blocks(request, answer);
+    bare_.solve(request, answer);
   } else if (!(request.time_limit_s > 0)) {
     answer.claim = Claim::kTimeLimit;
   } else if (is_whole_) {
@@ -250,8 +227,9 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   } else {
     solve_islands(request, answer);
   }
-  if (const ContactProblem* const contact = problem().contact();
-      contact != nullptr && settings_.error > kClaimedResidual && !std::holds_alternative<BlockInertia>(contact->inertia)) {
+  const ContactProblem* const contact = problem().contact();
+  if (contact != nullptr && settings_.error > kClaimedResidual &&
+      !std::holds_alternative<BlockInertia>(contact->inertia)) {
     answer.detail += (answer.detail.empty() ? "" : "; ") + std::string(kErrorHasNoEffect);
   }
   if (answer.claim != Claim::kSolved) return;
@@ -259,9 +237,9 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kNumericalFailure;  // a slip is beyond double
     answer.detail = "z beyond double";
     answer.velocity.resize(0);
-  } else if (problem().contact() != nullptr) {
+  } else if (contact != nullptr) {
     answer.impulses = Impulses::kAny;
-    if (even_ != nullptr) make_even(deadline_s, answer);
+    if (even_.has_value()) make_even(deadline_s, answer);
   }
 }
 
@@ -275,71 +253,21 @@ void Auto::make_even(double deadline_s, Answer& answer) {
   answer.detail += why.empty() ? "; even impulses" : "; impulses not even: " + why;
 }
 
-/// In half of the time. False, and the answer is as it was, where that gives no solution.
-bool Auto::solve_with_free_unknowns(const SolveRequest& request, Answer& answer) {
-  const double time_limit_s = request.time_limit_s / 2;
-  free_->solve({.time_limit_s = time_limit_s}, part_);
-  if (part_.claim != Claim::kSolved) return false;
-  answer.z(of_free_) = part_.z;
-  for (const auto& [positive, negative] : pairs_) {
-    answer.z(negative) = std::max(0.0, -answer.z(positive));
-    answer.z(positive) = std::max(0.0, answer.z(positive));
-  }
-  BareLcpTest test;
-  test.load(problem().lcp());
-  const bool solves = test.backward_error(answer.z) <= kClaimedBackwardError;
-  if (!solves || test.disproves(answer.z, wall_clock_s() + time_limit_s)) {
-    answer.z.setZero();
-    return false;
-  }
-  answer.claim = Claim::kSolved;
-  answer.counters = part_.counters;
-  answer.detail = std::to_string(pairs_.size()) + " free unknowns; " + part_.detail;
-  return true;
-}
-
-/// Each block may take the time that is left.
-void Auto::solve_blocks(const SolveRequest& request, Answer& answer) {
-  if (!pairs_.empty() && solve_with_free_unknowns(request, answer)) return;
-  if (blocks_.empty()) return lcp_.solve(request, answer);
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  const Lcp& whole = problem().lcp();
-  answer.claim = Claim::kSolved;
-  answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
-  answer.detail = std::to_string(blocks_.size()) + " blocks";
-  for (const std::vector<Index>& rows : blocks_) {
-    if (whole.q(rows).minCoeff() >= 0) continue;  // z = 0 solves it
-    const Problem block("", Lcp{whole.M(rows, rows), whole.q(rows)});
-    part_.reserve(block);
-    part_.clear();
-    lcp_.load(block);
-    lcp_.solve({.time_limit_s = deadline_s - wall_clock_s()}, part_);
-    answer.counters.iterations += part_.counters.iterations;
-    answer.counters.pivots += part_.counters.pivots;
-    answer.counters.factorizations += part_.counters.factorizations;
-    if (part_.claim == Claim::kSolved) answer.z(rows) = part_.z;
-    if (part_.claim == Claim::kSolved || (answer.claim != Claim::kSolved && part_.claim != Claim::kUnsolvable)) continue;
-    answer.claim = part_.claim;
-    answer.detail = "block of " + std::to_string(rows.size()) + " rows, from row " + std::to_string(rows.front()) +
-                    ": " + part_.detail;
-    if (part_.claim != Claim::kUnsolvable) continue;
-    answer.z.setZero();
-    if (part_.farkas.size() == 0) return;
-    answer.farkas = Vector::Zero(whole.size());
-    answer.farkas(rows) = part_.farkas;
-    return;
-  }
-}
-
 void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   AutoReport report;
   report.islands = 1;
-  if (remains_) return remain_at_rest(report, answer);
-  whole_.solve(request.start, limits_of(request), answer, report);
+  if (remains_) {
+    report.at_rest = 1;
+    answer.claim = Claim::kSolved;
+    bound_slips(v_, answer.z);
+    answer.velocity = v_;
+  } else {
+    whole_.solve(request.start, limits_of(request, settings_), answer, report);
+  }
   answer.counters = report.counters();
   if (answer.claim == Claim::kSolved) return report.write_text(answer.detail);
   if (answer.claim == Claim::kUnsolvable) return;
-  if (!whole_rests()) {
+  if (!rests(*problem().contact(), v_)) {
     const Index impulses = problem().contact()->nc() + cols(problem().contact()->D);
     if (answer.z.size() == problem().size() && answer.z.head(impulses).isZero(0)) bound_slips(v_, answer.z);
     return;
@@ -351,30 +279,9 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   answer.detail = "at rest to rounding";
 }
 
-void Auto::remain_at_rest(AutoReport& report, Answer& answer) const {
-  report.at_rest = 1;
-  answer.counters = report.counters();
-  answer.claim = Claim::kSolved;
-  bound_slips(v_, answer.z);
-  answer.velocity = v_;
-  report.write_text(answer.detail);
-}
-
-/// Whether zero impulses solve a problem that no method solved, by the measure of the verdict: it allows for rounding.
-bool Auto::whole_rests() const {
-  const ContactLayout layout = contact_layout(*problem().contact());
-  RestTest test(*problem().contact(), layout, v_);
-  for (Index c = 0; c < layout.nc; ++c) test.add(c);
-  return test.passes();
-}
-
-AutoLimits Auto::limits_of(const SolveRequest& request) const {
-  return {.deadline_s = wall_clock_s() + request.time_limit_s, .error = error_of(settings_)};
-}
-
 /// Each island may take a share of the time that is left, half of it alike for all, half as they are likely to take.
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
-  const AutoLimits limits = limits_of(request);
+  const AutoLimits limits = limits_of(request, settings_);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
   AutoReport report;
   report.islands = static_cast<Index>(count_);

@@ -16,11 +16,11 @@ void BareLcp::load(const Problem& problem) {
   is_game_ = game_.load(problem_.lcp());
   if (is_game_) test_.load(problem_);
   lemke_.load(problem_);
-  lemke_.limit_pivots(most_pivots());
+  lemke_.limit_pivots(max_pivots());
 }
 
 /// Of a path: most have n or fewer, but those of a few unknowns may be exponentially long.
-std::int64_t BareLcp::most_pivots() const { return std::max<std::int64_t>(5000, 4 * problem_.size()); }
+std::int64_t BareLcp::max_pivots() const { return std::max<std::int64_t>(5000, 4 * problem_.size()); }
 
 void BareLcp::solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
@@ -32,7 +32,7 @@ void BareLcp::solve(const SolveRequest& request, Answer& answer) {
   }
   lemke_.solve(time_left(), attempt_);
   if (is_settled("lemke", answer)) return;
-  const std::string limit = "max_pivots=" + std::to_string(most_pivots());
+  const std::string limit = "max_pivots=" + std::to_string(max_pivots());
   for (const std::string& text : {"principal_pivoting{" + limit + "}",
                                   "regularized{solver=lemke{cover=all," + limit + ",test=none}}"}) {
     const Spec spec = parse_spec(text);
@@ -53,8 +53,8 @@ void BareLcp::play_game(double deadline_s) {
   attempt_.reserve(problem_);
   attempt_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   attempt_.z.resize(problem_.size());
-  for (Index dropped = 0; dropped < problem_.size() && attempt_.counters.pivots < most_pivots(); ++dropped) {
-    const auto end = game_.run(dropped, most_pivots() - attempt_.counters.pivots, deadline_s, attempt_.z);
+  for (Index dropped = 0; dropped < problem_.size() && attempt_.counters.pivots < max_pivots(); ++dropped) {
+    const auto end = game_.run(dropped, max_pivots() - attempt_.counters.pivots, deadline_s, attempt_.z);
     attempt_.counters.iterations = attempt_.counters.pivots += game_.pivots();
     if (end == LemkeHowson::End::kSolved) attempt_.claim = Claim::kSolved;
     if (end == LemkeHowson::End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
@@ -63,12 +63,12 @@ void BareLcp::play_game(double deadline_s) {
 }
 
 void BareLcp::search_supports(double deadline_s) {
-  constexpr std::int64_t kMostSystems = 20000;  // seconds at most
+  constexpr std::int64_t kMaxSystems = 20000;  // seconds at most
   SupportSearch search;
   search.load(problem_.lcp());
   test_.load(problem_);
   attempt_.reserve(problem_);
-  const SupportSearch::End end = search.run(deadline_s, kMostSystems);
+  const SupportSearch::End end = search.run(deadline_s, kMaxSystems);
   if (end == SupportSearch::End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
   if (end != SupportSearch::End::kFound) return;
   attempt_.claim = Claim::kSolved;

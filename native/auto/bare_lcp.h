@@ -12,9 +12,9 @@
 namespace lcpbench {
 
 /// Solves a bare LCP by one method after the other, until one solves it or proves that it has no solution: the paths of
-/// Lemke and Howson if it is that of a bimatrix game, `lemke`, `principal_pivoting`, `regularized`, and SupportSearch if
-/// it is small enough. All answers are tested. The pivots of each path are limited; a method may take all the time that
-/// is left.
+/// Lemke and Howson if it is that of a bimatrix game, `lemke`, `principal_pivoting`, `regularized`, and SupportSearch
+/// if it is small enough. All answers are tested. The pivots of each path are limited; a method may take all the time
+/// that is left.
 class BareLcp {
  public:
   /// @param problem must be a bare LCP
@@ -26,7 +26,7 @@ class BareLcp {
   void solve(const SolveRequest& request, Answer& answer);
 
  private:
-  std::int64_t most_pivots() const;
+  std::int64_t max_pivots() const;
   void play_game(double deadline_s);
   void search_supports(double deadline_s);
   bool is_settled(const std::string& method, Answer& answer) const;

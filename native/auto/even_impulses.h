@@ -1,9 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "core/problem.h"
@@ -15,8 +12,8 @@
 
 namespace lcpbench {
 
-/// The impulses that an answer's velocity v+ has if all hard contacts yield by the same compliance r, in the limit of
-/// r = 0: w_N = N'v + b + r f_N, and r f_T for the net friction f_T = C f_D alike (see ContactProblem). They satisfy
+/// The impulses that an answer's velocity v+ has if all hard contacts yield by the same compliance r, in the limit of r
+/// = 0: w_N = N'v + b + r f_N, and r f_T for the net friction f_T = C f_D alike (see ContactProblem). They satisfy
 /// every condition of contact at v+. Soft contacts keep their impulses: the velocity decides them.
 ///
 /// With J_c the rows of a contact's normal and tangents, and y = (v+ - v) / r, the contact carries f_c(J_c y): the
@@ -24,17 +21,16 @@ namespace lcpbench {
 /// nearest to that of J_c y in the polygon of size mu n if the contact sticks, and if it slides in the corner or side
 /// that dissipates the most. The size of the polygon does not push back on n: f is the projection on the pyramid, and
 /// its sum of squares the least one, only where contacts stick and press with friction below its limit. With g the sum
-/// of J_c'f_c of the answer, sum J_c'f_c(J_c y) = g is an equation for y that is linear by pieces: Newton's method with
-/// a search along each step, from zero, and if that fails from the y of contacts of a small compliance. [Qi, Sun 1993,
-/// A nonsmooth version of Newton's method]
+/// of J_c'f_c of the answer, and D the diagonal of J'J,
+///     s D y + sum J_c'f_c(J_c y) = g
+/// is at s = 0 the equation for y. It is linear by pieces: Newton's method with a line search, from zero. If that
+/// fails, s falls from 1 to zero, and each solution is the next one's start. [Qi, Sun 1993, A nonsmooth version of
+/// Newton's method]
 ///
 /// Each set of pieces that it passes costs one LU factorization of a matrix of the pairs of coordinates that contacts
 /// couple. If v+ is not the limit of v, no y exists.
 class EvenImpulses {
  public:
-  /// @param solver of contacts of a small compliance
-  explicit EvenImpulses(std::unique_ptr<Solver> solver) : solver_(std::move(solver)) {}
-
   /// @param problem with contacts; must outlive the next load
   void load(const Problem& problem);
   /// Another velocity before the impact. @pre load() was called
@@ -42,9 +38,8 @@ class EvenImpulses {
 
   /// Replaces the impulses of a solved answer; its velocity stays. An answer keeps its own impulses if the others do
   /// not pass AnswerTest, or if their residual is in a larger class: 1e-9, 1e-6 or 1e-4 relative to the scale.
-  /// Allocates where zero is no start.
-  /// @param allowed see AnswerTest::allow() @returns why the answer keeps its own; "" if it does not
-  const char* distribute(double allowed, double deadline_s, Answer& answer);
+  /// @param error see AnswerTest::allow() @returns why the answer keeps its own; "" if it does not
+  const char* distribute(double error, double deadline_s, Answer& answer);
 
   /// Of the last distribute().
   std::int64_t factorizations() const { return factorizations_; }
@@ -57,31 +52,28 @@ class EvenImpulses {
     Form form = Form::kNothing;
     Index corner = 0;  ///< of a side the first
   };
-  /// A y, the impulses that it gives, their slopes by J_c y, and what is left of g.
+  /// A y, the impulses that it gives, their slopes by J_c y, and the residual of the equation.
   struct Point {
-    Vector y, left;
+    Vector y, residual;
     Eigen::Matrix3Xd impulse;
     std::vector<Eigen::Matrix3d> slope;
   };
 
   bool prepare();
-  Section section_of(std::size_t contact, double still) const;
-  Eigen::Vector3d carry(std::size_t contact, const Eigen::Vector3d& point, Eigen::Matrix3d& slope) const;
-  Eigen::Vector3d pull(std::size_t contact, const Vector& y) const;
-  void subtract(std::size_t contact, const Eigen::Vector3d& impulse, Vector& from) const;
-  double size_of(const Vector& left) const;
   void find_sections(double still);
+  Section section_of(std::size_t contact, double still) const;
+  // Steps to y, in their order.
   void begin();
-  bool begin_softly(double deadline_s);
-  void find_left(Point& point) const;
-  bool search();
+  void follow_path(double deadline_s);
   bool balance(double deadline_s);
+  bool search();
+  void find_residual(Point& point) const;
+  Eigen::Vector3d carry(std::size_t contact, const Eigen::Vector3d& point, Eigen::Matrix3d& slope) const;
+  double size_of(const Vector& residual) const;
+  // The impulses at y.
+  const char* settle(double tolerance, double deadline_s);
   void refine();
-  void take_impulses();
-  const char* settle(double most, double deadline_s);
 
-  std::unique_ptr<Solver> solver_;
-  std::optional<Problem> softened_;  ///< that it holds
   const Problem* problem_ = nullptr;
   bool is_prepared_ = false;
   bool is_regular_ = false;
@@ -91,7 +83,9 @@ class EvenImpulses {
   std::vector<ContactRows> rows_;
   ContactPolygons polygons_;
   NewtonMatrix matrix_;
-  Vector masses_;  ///< the diagonal of G, ones where it is not given
+  Vector masses_;    ///< the diagonal of G, ones where it is not given
+  Vector diagonal_;  ///< D, not less than the rounding of levers that are zero
+  double path_ = 0;  ///< s
   std::vector<Section> sections_;
   Vector own_;            ///< impulses of the answer, as in ContactImpulses
   Eigen::Matrix3Xd net_;  ///< the same along normals and tangents

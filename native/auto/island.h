@@ -7,8 +7,8 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/auto/island_solver.h"
-#include "native/contacts/problem_cutter.h"
 #include "native/auto/report.h"
+#include "native/contacts/problem_cutter.h"
 
 namespace lcpbench {
 

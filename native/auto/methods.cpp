@@ -10,7 +10,7 @@ namespace lcpbench {
 namespace {
 
 /// dense_entries() up to which a dense method is loaded. One then takes about 600 MB of addresses.
-constexpr Index kMostEntries = 4'000'000;
+constexpr Index kMaxEntries = 4'000'000;
 
 /// So many sweeps are made only where all other methods have given up.
 constexpr PsorSettings kSweeps{.max_iterations = 900'000, .relaxation = 1, .tolerance = 1e-9};
@@ -30,7 +30,7 @@ std::unique_ptr<BudgetedSolver> make_method(AutoMethod method, const std::shared
 
 bool Methods::takes(AutoMethod method, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (is_dense(method) && dense_entries(contact) > kMostEntries) return false;
+  if (is_dense(method) && dense_entries(contact) > kMaxEntries) return false;
   const Capabilities& lemke = ContactLemke::kCapabilities;
   if (method == AutoMethod::kContactLemke && problem.size() > lemke.max_size) return why_not(lemke, problem).empty();
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();

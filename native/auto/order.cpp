@@ -9,9 +9,9 @@ namespace lcpbench {
 namespace {
 
 /// First turn of a method: work = factor n^(quarters / 4), n the geometric mean of the numbers of contacts and of
-/// coordinates that contacts move. Measured on 978 islands with friction and 228 without: that much is enough on nine of
-/// ten that the method solves, but for friction_ipm and psor without friction (five of ten) and psor with it (four). What
-/// these do not solve soon takes them long. results/auto/lines.py counts.
+/// coordinates that contacts move. Measured on 978 islands with friction and 228 without: that much is enough on nine
+/// of ten that the method solves, but for friction_ipm and psor without friction (five of ten) and psor with it (four).
+/// What these do not solve soon takes them long. results/auto/lines.py counts.
 struct Line {
   AutoMethod method;
   double factor;
@@ -30,10 +30,10 @@ constexpr Line kVelocityIpm{AutoMethod::kVelocityIpm, 0x1p14, 5, 3};
 constexpr Line kFrictionlessPsor{AutoMethod::kPsor, 0x1p9, 7, 4};
 constexpr Line kFrictionlessLemke{AutoMethod::kContactLemke, 0x1.4p8, 9};
 
-using Lines = std::array<Line, Order::kMost>;
+using Lines = std::array<Line, Order::kMaxTurns>;
 
-/// Pivoting is the fastest while either number is small. Sweeps soon come to a loose error, and to any where contacts do
-/// not oppose each other.
+/// Pivoting is the fastest while either number is small. Sweeps soon come to a loose error, and to any where contacts
+/// do not oppose each other.
 constexpr Lines kSmall{kContactLemke, kContactIpm, kFrictionIpm, kPsor},
     kSmallAndLoose{kContactLemke, kPsor, kContactIpm, kFrictionIpm},
     kMediumAndLoose{kPsor, kContactLemke, kContactIpm, kFrictionIpm},
@@ -46,12 +46,12 @@ constexpr Lines kFrictionless{kActiveSet, kVelocityIpm, kFrictionlessPsor, kFric
 constexpr double kLooseError = 1e-3;
 /// See redundancy(): from this on contacts oppose each other, and sweeps take long.
 constexpr double kOpposed = 1.25;
-/// Of the smaller one of both numbers: up to so many contact_lemke is first. A robot has a dense block of inertia, whose
-/// cube each step of an interior point takes.
-constexpr double kMostForPivots = 60, kMostForPivotsIfLoose = 30, kMostForPivotsIfUnopposed = 20,
-                 kMostForPivotsOfARobot = 200;
+/// Of the smaller one of both numbers: up to so many contact_lemke is first. A robot has a dense block of inertia,
+/// whose cube each step of an interior point takes.
+constexpr double kMaxForPivots = 60, kMaxForPivotsIfLoose = 30, kMaxForPivotsIfUnopposed = 20,
+                 kMaxForPivotsOfARobot = 200;
 /// Of n.
-constexpr double kMostForActiveSet = 150;
+constexpr double kMaxForActiveSet = 150;
 
 Index largest_block(const Inertia& inertia) {
   Index largest = 0;
@@ -63,14 +63,14 @@ const Lines& lines_of(const ContactProblem& contact, bool is_robot, bool is_oppo
                       double error) {
   const bool is_loose = error >= kLooseError;
   if (!contact.frictional()) {
-    if (n <= kMostForActiveSet) return kFrictionless;
+    if (n <= kMaxForActiveSet) return kFrictionless;
     return is_loose ? kLargeFrictionlessAndLoose : kLargeFrictionless;
   }
-  if (is_robot && fewer <= kMostForPivotsOfARobot) return kSmall;
-  if (fewer > kMostForPivots) return is_loose ? kSweepsFirst : kLarge;
-  if (fewer > kMostForPivotsIfUnopposed && !is_opposed) return kSweepsFirst;
+  if (is_robot && fewer <= kMaxForPivotsOfARobot) return kSmall;
+  if (fewer > kMaxForPivots) return is_loose ? kSweepsFirst : kLarge;
+  if (fewer > kMaxForPivotsIfUnopposed && !is_opposed) return kSweepsFirst;
   if (!is_loose) return kSmall;
-  return fewer > kMostForPivotsIfLoose ? kMediumAndLoose : kSmallAndLoose;
+  return fewer > kMaxForPivotsIfLoose ? kMediumAndLoose : kSmallAndLoose;
 }
 
 /// Of roots and products alone, which every machine rounds alike.

@@ -24,7 +24,7 @@ double redundancy(const ContactProblem& contact, Index idle);
 /// error that is asked for.
 class Order {
  public:
-  static constexpr std::size_t kMost = 4;
+  static constexpr std::size_t kMaxTurns = 4;
 
   /// No turn has less work: to end it sooner would cost more than it saves, since the next method would be loaded.
   static constexpr double kLeastWork = 0x1p17;
@@ -50,7 +50,7 @@ class Order {
   static constexpr double kWorkOfNineOverHalf = 4;
   static constexpr double kWorkOfRest = 0x1p14, kStepsToRest = 16;  ///< for each unknown
 
-  std::array<Turn, kMost> turns_{};
+  std::array<Turn, kMaxTurns> turns_{};
   std::size_t count_ = 0;
   double unknowns_ = 1;
   double block_ = 1;  ///< coordinates of the largest block of the inertia

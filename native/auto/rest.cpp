@@ -18,7 +18,7 @@ namespace {
 /// kParting times that speed, from either side, which mostly is enough. The others, over-relaxed, push apart what still
 /// approaches: the angles between the contacts of a pile are narrow. Contacts that did not approach at first part at
 /// kLeastNeed of the fastest ones.
-constexpr int kFirstSweeps = 3, kMostSweeps = 24;
+constexpr int kFirstSweeps = 3, kMaxSweeps = 24;
 constexpr Index kFewContacts = 8;
 constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.7;
 /// Of single bodies: sweeps, and how far the projections go beyond.
@@ -183,7 +183,7 @@ double Rest::imbalance(const Vector& z) {
   return agrees || worst <= kRounding ? worst : std::max(worst, 2 * kBalanced);
 }
 
-double Rest::speed_left() {
+double Rest::residual_speed() {
   for (Index i = 0; i < y_.size(); ++i) y_(i) = y_(i) == 0 ? 0 : y_(i) / mass_(i);
   double fastest = 0;
   const auto add = [&](const Jacobian& J) {
@@ -252,7 +252,7 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
   double largest_need = 0;
   const double gone_before = y_.dot(momentum_);
   double missing_then = 0;  // what the contacts approached in all, kSweepsToFall sweeps ago
-  for (int sweep = 0; sweep <= kMostSweeps; ++sweep) {
+  for (int sweep = 0; sweep <= kMaxSweeps; ++sweep) {
     double missing = 0;
     double share = 0;  // of the way from the first y to this one on which all contacts part
     Index direction = 0;
@@ -381,8 +381,8 @@ bool Rest::is_out_of_range() const {
   Eigen::ColPivHouseholderQR<Matrix> factors(range.rows(), range.cols());
   factors.setThreshold(kNoPivot).compute(range);
   const Vector momentum = (momentum_.array() * (mass_.array() > 0).select(mass_.array().rsqrt(), 0)).matrix();
-  const Vector left = factors.householderQ().adjoint() * momentum;
-  return left.tail(left.size() - factors.rank()).norm() > kLeastMomentum * momentum.norm();
+  const Vector rotated = factors.householderQ().adjoint() * momentum;
+  return rotated.tail(rotated.size() - factors.rank()).norm() > kLeastMomentum * momentum.norm();
 }
 
 bool Rest::is_refuted(const Vector& near) {
@@ -413,8 +413,8 @@ void Rest::bring_into_cones(Vector& z) const {
     auto friction = z.segment(direction, contact_->edges[static_cast<std::size_t>(c)]);
     z(c) = touches(c) ? std::max(z(c), 0.0) : 0;
     friction = friction.cwiseMax(0.0);
-    const double sum = friction.sum(), most = contact_->mu(c) * z(c);
-    if (sum > most) friction *= most / sum;
+    const double sum = friction.sum(), upper_bound = contact_->mu(c) * z(c);
+    if (sum > upper_bound) friction *= upper_bound / sum;
     direction += friction.size();
   }
 }

@@ -20,7 +20,7 @@ class Rest {
   /// balance them. Impulses of rest may be near those of an iterative method with kNear; and near those of a method
   /// that pivots with kNearByPivots, unless masses of a ratio above kUnlike cost it its digits.
   static constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon(), kBalanced = 4e-12;
-  /// Largest speed_left() of impulses that stay as they were in the last step: `auto` aims at 1e-9 from nothing.
+  /// Largest residual_speed() of impulses that stay as they were in the last step: `auto` aims at 1e-9 from nothing.
   static constexpr double kStill = 5e-10;
   static constexpr double kNear = 0.1, kNearByPivots = 1e-7, kUnlike = 1e8;
 
@@ -44,7 +44,7 @@ class Rest {
   double imbalance(const Vector& z);
   /// Of the z that imbalance() measured last: the fastest velocity at a contact that the missing momentum would give
   /// each coordinate by itself, over the fastest approach. O(nonzeros)
-  double speed_left();
+  double residual_speed();
   /// Takes away impulses of open contacts and what is outside of a cone. O(n)
   void bring_into_cones(Vector& z) const;
   /// Of the coordinates that contacts move, by the diagonal of G.
@@ -59,8 +59,8 @@ class Rest {
   /// @param near velocity of an answer that slips
   bool is_refuted(const Vector& near);
 
-  /// v+ of the island at rest: coordinates that no contact moves keep their velocity. Empty where G may be singular: then
-  /// motion without momentum goes on. O(size^3) for each block of G
+  /// v+ of the island at rest: coordinates that no contact moves keep their velocity. Empty where G may be singular:
+  /// then motion without momentum goes on. O(size^3) for each block of G
   void write_velocity(AnswerVector& u);
 
  private:

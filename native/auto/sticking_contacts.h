@@ -11,6 +11,37 @@
 
 namespace lcpbench {
 
+/// The impulses f of contacts along the columns A of a StickingSystem: of each contact the normal one, then one for
+/// each pair of opposite directions.
+class ColumnImpulses {
+ public:
+  explicit ColumnImpulses(const StickingSystem& system) : system_(system) {}
+
+  /// @pre the system holds the contacts, which must outlive the next load
+  void load(const ContactProblem& contact);
+  /// Those of z (n).
+  void read(const Vector& z);
+  /// z (n) of the impulses. The lambdas become zero: AnswerTest sets them.
+  void write(Vector& z) const;
+
+  std::vector<double>& all() { return impulses_; }
+  double* of(std::size_t contact) { return impulses_.data() + system_.contacts()[contact].first; }
+  double normal(std::size_t contact) const { return impulses_[system_.contacts()[contact].first]; }
+  /// Sum of magnitudes.
+  double friction(std::size_t contact) const;
+  void scale_friction(std::size_t contact, double factor);
+  double largest_normal() const;
+  /// Whether none is further out of its cone than that.
+  bool are_in_cones(double tolerance) const;
+  /// Those outside of their cones come inside, a little further than to the boundary. @returns whether there were none
+  bool bring_inside();
+
+ private:
+  const StickingSystem& system_;
+  const ContactProblem* contact_ = nullptr;
+  std::vector<double> impulses_;
+};
+
 /// The guess that contacts which pressed in the last step press again and none of them slips: what holds in a scene
 /// that rests.
 ///
@@ -65,45 +96,37 @@ class StickingContacts {
   bool balance(Vector& z, int power, double touching);
 
  private:
-  void add_missing_momentum();
-  bool stay_in_cones();
-  void take_room();
-  void find_misses(const Vector& u);
-  void measure_scale();
-  void take_start(const Vector& start);
+  // Steps of solve(), in their order.
   void weigh();
-  void respond();
-  double miss();
-  double largest_held_miss() const;
-  void improve();
-  double let_go();
-  double largest_load() const;
-  bool may_be_confirmed() const;
-  double approach(double now);
   bool starts(const Vector& start);
-  bool is_confirmed(double left);
-  bool is_definite();
+  double release_all();
+  double iterate(double residual);
+  void improve();
+  double velocity_residual();
+  double held_residual() const;
+  void find_velocities(const Vector& u);
+  bool is_confirmed(double residual);
   double clearance(std::size_t contact) const;
   bool change_guess();
-  void write(Vector& z) const;
-  void load_test();
-  double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
+  // Of balance().
+  void add_missing_momentum();
 
   IslandNumbers islands_;  ///< that all is one island, for test_
   bool follow_ = false;
   const Problem* problem_ = nullptr;
   const ContactProblem* contact_ = nullptr;
   AnswerTest test_;
-  bool has_test_ = false;   ///< test_ holds the problem
-  bool from_loads_ = true;  ///< the least impulses are tried before those nearest to the last
+  bool has_test_ = false;      ///< test_ holds the problem
+  bool from_nothing_ = true;   ///< the least impulses are tried before those nearest to the last
   StickingSystem system_;
+  ColumnImpulses impulses_{system_};
 
   Vector v_, u_, step_, residual_;
-  std::vector<char> sticking_;             ///< by contact
-  std::vector<double> weights_;            ///< by contact: W
-  std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
-  std::vector<double> scaled_;             ///< by column: scratch
-  double scale_ = 0;                       ///< largest |A'v + b|; infinity where one is not a number
+  std::vector<char> sticking_;      ///< by contact
+  std::vector<double> weights_;     ///< by contact: W
+  std::vector<double> velocities_;  ///< by column: A'u + b
+  std::vector<double> scaled_;      ///< by column: scratch
+  double scale_ = 0;                ///< largest |A'v + b|; infinity where one is not a number
 };
 
 }  // namespace lcpbench

@@ -57,7 +57,15 @@ void StickingSystem::load(const ContactProblem& contact) {
   for_each_block(blocks_, [this](const Matrix& block, Index first) {
     inverse_diagonal_.segment(first, block.rows()) = block.diagonal().cwiseInverse();
   });
-  measure_strength();
+  strength_.clear();
+  for (const StickingColumns& own : contacts_) {
+    double response = 0;
+    for (int k = 0; k < own.size; ++k) {
+      const double entry = columns(own)[k];
+      response += entry * entry * inverse_diagonal_(rows(own)[k]);
+    }
+    strength_.push_back(response > 0 ? 1 / response : 0);
+  }
 }
 
 /// Lists the blocks of G; a dense G is one block. @pre the inertia is given in one of these two forms
@@ -80,13 +88,6 @@ bool StickingSystem::has_last_sizes() const {
     if (contacts_[c].columns != 1 + directions_of(*contact_, static_cast<Index>(c))) return false;
   }
   return true;
-}
-
-/// With the contact before.
-bool StickingSystem::shares_rows(std::size_t contact) const {
-  if (contact == 0) return false;
-  const StickingColumns& before = contacts_[contact - 1];
-  return before.rows == contacts_[contact].rows && before.size == contacts_[contact].size;
 }
 
 /// The coordinates of each contact, and where its columns will stand.
@@ -132,22 +133,20 @@ void StickingSystem::find_columns() {
   }
 }
 
-void StickingSystem::take_dense_room() {
-  const std::size_t order = at(blocks_.front()->rows());
-  const std::size_t stride = order + cholesky::kMargin;
-  dense_.resize(stride * stride);
-  weighted_.assign(stride * column_count(), 0.0);
-  work_.resize(at(cholesky::work_size(static_cast<Index>(order))));
-  dense_factors_.resize(order * order);
-}
-
 /// The order of elimination, the pattern of the matrix, and where in it the blocks and the contacts add.
 void StickingSystem::analyze() {
   const Index ngc = contact_->ngc();
   inertia_factors_.resize(blocks_.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b) inertia_factors_[b].resize(blocks_[b]->rows(), blocks_[b]->rows());
   inverse_diagonal_.resize(ngc);
-  if (is_one()) return take_dense_room();
+  if (is_one()) {
+    const std::size_t order = at(ngc), stride = order + cholesky::kMargin;
+    dense_.resize(stride * stride);
+    weighted_.assign(stride * column_count(), 0.0);
+    work_.resize(at(cholesky::work_size(ngc)));
+    dense_factors_.resize(order * order);
+    return;
+  }
   std::vector<std::pair<int, int>> pairs;  // of coordinates, the second not above the first
   const auto add_pairs = [&pairs](int size, const auto& row) {
     for (int j = 0; j < size; ++j) {
@@ -180,10 +179,10 @@ void StickingSystem::analyze() {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     (k < of_blocks ? inertia_places_ : places_).push_back(place_of(pairs[k].first, pairs[k].second));
   }
-  int most = 0;
-  for (const StickingColumns& contact : contacts_) most = std::max(most, contact.size);
-  product_.resize(at(most) * at(most));
-  part_.resize(most);
+  int largest = 0;
+  for (const StickingColumns& contact : contacts_) largest = std::max(largest, contact.size);
+  product_.resize(at(largest) * at(largest));
+  part_.resize(largest);
   ordered_.resize(ngc);
 }
 
@@ -220,16 +219,11 @@ bool StickingSystem::fill_columns() {
   return fits;
 }
 
-void StickingSystem::measure_strength() {
-  strength_.clear();
-  for (const StickingColumns& contact : contacts_) {
-    double response = 0;
-    for (int k = 0; k < contact.size; ++k) {
-      const double entry = columns(contact)[k];
-      response += entry * entry * inverse_diagonal_(rows(contact)[k]);
-    }
-    strength_.push_back(response > 0 ? 1 / response : 0);
-  }
+/// With the contact before it.
+bool StickingSystem::shares_rows(std::size_t contact) const {
+  if (contact == 0) return false;
+  const StickingColumns& before = contacts_[contact - 1];
+  return before.rows == contacts_[contact].rows && before.size == contacts_[contact].size;
 }
 
 std::size_t StickingSystem::column_count() const {

@@ -59,17 +59,15 @@ class StickingSystem {
   void solve(Vector& x);
 
  private:
-  bool has_last_sizes() const;
-  bool shares_rows(std::size_t contact) const;
   void take_blocks();
+  bool has_last_sizes() const;
   void find_columns();
   void analyze();
-  void take_dense_room();
-  bool is_one() const { return blocks_.size() == 1; }
-  bool factor_one(const std::vector<double>& weights);
   int place_of(int i, int j) const;
   bool fill_columns();
-  void measure_strength();
+  bool shares_rows(std::size_t contact) const;
+  bool factor_one(const std::vector<double>& weights);
+  bool is_one() const { return blocks_.size() == 1; }
   const double* columns(const StickingColumns& contact) const { return entries_.data() + contact.entries; }
   const int* rows(const StickingColumns& contact) const { return rows_.data() + contact.rows; }
 

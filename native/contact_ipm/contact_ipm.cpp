@@ -62,7 +62,7 @@ class ContactIpm final : public ProximalNewton {
     Index normal = 0;                          ///< pair of the normal; those of the edges, and that of lambda follow
     double mu = 0;
     double stops = 0, stops_slip = 0;        ///< x that stops 1 m/s of approach, of slip, if alone
-    double yields = 0, creeps = 0;           ///< r_n, r_t
+    double yields = 0, compliance_t = 0;     ///< r_n, r_t
 
     Index edges() const { return polygon == nullptr ? 0 : polygon->edges(); }
     Index edge(Index k) const { return normal + 1 + k; }
@@ -75,7 +75,7 @@ class ContactIpm final : public ProximalNewton {
     double by_normal = 0, at_rest = 0;
     double lambda_by_normal = 0, lambda_by_edges = 0, lambda_divisor = 1, lambda_at_rest = 0;
     Eigen::Vector2d edges_sum, friction_by_normal, friction_at_rest;
-    Eigen::Matrix2d friction_by_slip, creep;  ///< creep: (I + r_t friction_by_slip)^-1
+    Eigen::Matrix2d friction_by_slip, softening;  ///< softening: (I + r_t friction_by_slip)^-1
   };
 
   void on_load(const Problem& problem) override;
@@ -132,7 +132,7 @@ void ContactIpm::on_load(const Problem& problem) {
     if (contact.polygon != nullptr) {
       const SignedFriction& own = state_.frictions[static_cast<std::size_t>(rows_[i].friction)];
       contact.stops_slip = inverse(diagonal.segment(own.first_column, own.directions).maxCoeff()) / impulse_;
-      if (state_.compliance_t.size() > 0) contact.creeps = state_.compliance_t(index);
+      if (state_.compliance_t.size() > 0) contact.compliance_t = state_.compliance_t(index);
     }
     const Index own_pairs = contact.polygon == nullptr ? 1 : contact.edges() + 2;
     pairs += own_pairs;
@@ -297,7 +297,7 @@ void ContactIpm::evaluate() {
     const Eigen::Vector3d w = velocity(i);
     slack_residual_(contact.normal) = w(0) + contact.yields * impulse(0) - s_(contact.normal);
     if (contact.polygon == nullptr) continue;
-    const Eigen::Vector2d slip = w.tail<2>() + contact.creeps * impulse.tail<2>();
+    const Eigen::Vector2d slip = w.tail<2>() + contact.compliance_t * impulse.tail<2>();
     const Index lambda = contact.lambda();
     for (Index k = 0; k < contact.edges(); ++k) {
       slack_residual_(contact.edge(k)) = x_(lambda) + contact.polygon->direction(k).dot(slip) - s_(contact.edge(k));
@@ -333,10 +333,12 @@ void ContactIpm::eliminate(std::size_t index) {
   of.friction_by_slip -= of.lambda_by_edges * of.edges_sum * of.edges_sum.transpose();
   of.friction_by_slip *= impulse_;
   of.friction_by_normal = impulse_ * of.lambda_by_normal * of.edges_sum;
-  of.creep = Eigen::Matrix2d::Identity();
-  if (contact.creeps > 0) of.creep = (of.creep + contact.creeps * of.friction_by_slip).inverse().eval();
-  K.bottomLeftCorner<2, 1>() = of.by_normal * of.creep * of.friction_by_normal;
-  K.bottomRightCorner<2, 2>() = of.creep * of.friction_by_slip;
+  of.softening = Eigen::Matrix2d::Identity();
+  if (contact.compliance_t > 0) {
+    of.softening = (of.softening + contact.compliance_t * of.friction_by_slip).inverse().eval();
+  }
+  K.bottomLeftCorner<2, 1>() = of.by_normal * of.softening * of.friction_by_normal;
+  K.bottomRightCorner<2, 2>() = of.softening * of.friction_by_slip;
 }
 
 bool ContactIpm::factor() {
@@ -361,8 +363,8 @@ void ContactIpm::find_direction(Vector& dx, Vector& ds) {
     ds(normal) = w(0) + contact.yields * impulse_ * dx(normal) + slack_residual_(normal);
     if (contact.polygon == nullptr) continue;
     Eigen::Vector2d slip = w.tail<2>();
-    if (contact.creeps > 0) {
-      slip += contact.creeps * of.creep *
+    if (contact.compliance_t > 0) {
+      slip += contact.compliance_t * of.softening *
               (of.friction_at_rest + dx(normal) * of.friction_by_normal - of.friction_by_slip * slip);
     }
     dx(lambda) = of.lambda_at_rest - of.lambda_by_normal * dx(normal) - of.lambda_by_edges * of.edges_sum.dot(slip);
@@ -397,7 +399,7 @@ Eigen::Vector3d ContactIpm::constant_impulse(std::size_t index) {
   of.lambda_at_rest =
       (target_(lambda) - x_(lambda) * slack_residual_(lambda)) / of.lambda_divisor + of.lambda_by_edges * sum;
   of.friction_at_rest = impulse_ * (along - of.lambda_at_rest * of.edges_sum);
-  impulse.tail<2>() = of.creep * (of.friction_at_rest + of.at_rest * of.friction_by_normal);
+  impulse.tail<2>() = of.softening * (of.friction_at_rest + of.at_rest * of.friction_by_normal);
   return impulse;
 }
 

@@ -171,7 +171,7 @@ void ContactImpulses::recompute_velocity() {
   inverse_.add_product(momentum_, u);
 }
 
-ContactImpulses::Tangential ContactImpulses::creep(const SignedFriction& friction) const {
+ContactImpulses::Tangential ContactImpulses::tangential_offset(const SignedFriction& friction) const {
   Tangential beside = Tangential::Zero();
   if (offset_t.size() > 0) beside = offset_t.segment<2>(2 * friction.contact);
   if (compliance_t.size() == 0) return beside;
@@ -182,7 +182,7 @@ ContactImpulses::Tangential ContactImpulses::creep(const SignedFriction& frictio
 }
 
 double ContactImpulses::slip_bound(const SignedFriction& friction) const {
-  const Tangential beside = creep(friction);
+  const Tangential beside = tangential_offset(friction);
   double bound = 0;
   for (Index t = 0; t < friction.directions; ++t) {
     bound = max_or_infinity(bound, std::abs(slip(friction.first_column + t, beside)));
@@ -195,7 +195,7 @@ double ContactImpulses::friction_residual(const SignedFriction& friction) const 
   const double lambda = slip_bound(friction);
   const double used = impulse.segment(friction.first_column, friction.directions).lpNorm<1>();
   const double slack = mu(friction.contact) * impulse(friction.contact) - used;
-  const Tangential beside = creep(friction);
+  const Tangential beside = tangential_offset(friction);
   double worst = std::abs(std::min(lambda, columns.diagonal(friction.contact) * slack));
   for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
     const double own = slip(t, beside);
@@ -223,7 +223,7 @@ void ContactImpulses::drop_what_counts_as_zero() {
   }
   for (const SignedFriction& friction : frictions) {
     const double lambda = slip_bound(friction);
-    const Tangential beside = creep(friction);
+    const Tangential beside = tangential_offset(friction);
     for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
       const double own = slip(t, beside);
       const double w = impulse(t) > 0 ? lambda + own : lambda - own;

@@ -60,8 +60,8 @@ struct ContactImpulses {
 
   /// Velocities of a contact's tangents beside those of the coordinates: offsets, and what it yields.
   using Tangential = Eigen::Vector2d;
-  Tangential creep(const SignedFriction& friction) const;
-  /// w of a friction row at u, without lambda. @param beside  creep() of its contact
+  Tangential tangential_offset(const SignedFriction& friction) const;
+  /// w of a friction row at u, without lambda. @param beside  tangential_offset() of its contact
   double slip(Index column, const Tangential& beside) const {
     const double velocity = columns.J.dot(column, u);
     return tangents.cols() > 0 ? velocity + tangents.col(column).dot(beside) : velocity;

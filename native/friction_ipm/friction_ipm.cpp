@@ -198,7 +198,7 @@ class FrictionIpm final : public BestImpulseSolver<FrictionIpmSolver> {
   Vector friction_impulses_;  // f_D
   Vector slip_bounds_;        // nc, mu lambda + b
   Vector offset_;             // per cone column
-  Vector creep_;              // sum(edges), tangential offsets along each direction
+  Vector tangential_offsets_;              // sum(edges), tangential offsets along each direction
   Progress now_;
 };
 
@@ -220,7 +220,7 @@ void FrictionIpm::on_load(const Problem& problem) {
   friction_impulses_.resize(cone_.friction.rows());
   slip_bounds_.resize(state_.contacts);
   offset_.resize(cone_.size());
-  creep_.setZero(cone_.friction.rows());
+  tangential_offsets_.setZero(cone_.friction.rows());
   best_impulse_.resize(state_.impulse.size());
 }
 
@@ -258,13 +258,13 @@ void FrictionIpm::find_offsets(bool at_rest) {
   for (const SignedFriction& friction : state_.frictions) {
     const Index first = friction.first_column - state_.contacts;
     for (Index t = 0; t < friction.directions; ++t) {
-      const double creep =
+      const double offset =
           state_.tangents.col(friction.first_column + t).dot(state_.offset_t.segment<2>(2 * friction.contact));
-      creep_(first + t) = creep;
-      creep_(first + friction.directions + t) = -creep;
+      tangential_offsets_(first + t) = offset;
+      tangential_offsets_(first + friction.directions + t) = -offset;
     }
   }
-  offset_.noalias() += cone_.friction.transpose() * creep_;
+  offset_.noalias() += cone_.friction.transpose() * tangential_offsets_;
 }
 
 void FrictionIpm::begin(const Vector* /*start*/, double error) {

@@ -30,8 +30,8 @@ Truth bare_truth(const Lcp& lcp) {
 bool rest_satisfies(const ContactProblem& problem) {
   for (Index i = 0; i < problem.nc(); ++i) {
     if (problem.normal_compliance(i) > 0) continue;
-    const bool creeps = problem.tangential_offset(i, 0) != 0 || problem.tangential_offset(i, 1) != 0;
-    if (!(problem.offset(i) >= 0) || (creeps && !(problem.tangential_compliance(i) > 0))) return false;
+    const bool has_tangential_offset = problem.tangential_offset(i, 0) != 0 || problem.tangential_offset(i, 1) != 0;
+    if (!(problem.offset(i) >= 0) || (has_tangential_offset && !(problem.tangential_compliance(i) > 0))) return false;
   }
   return true;
 }
