@@ -212,7 +212,7 @@ Engine& ContactLemke::engine_of(ContactArithmetic arithmetic) {
 }
 
 /// The limit on the pivots of a path, which ends those that cycle. On the first path contacts often tie, as those of
-/// symmetric bodies do, and it may cycle: its limit is one that all but 12 of 2,032 paths on the study's sets keep.
+/// symmetric bodies do, and it may cycle: its limit is one that all but 6 of 2,032 paths on the study's sets keep.
 /// Others have several times the most that they take, and more in 113 bits, where a large kernel was too much for double.
 std::ptrdiff_t ContactLemke::pivots_of(const ContactStage& stage) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
@@ -220,7 +220,7 @@ std::ptrdiff_t ContactLemke::pivots_of(const ContactStage& stage) const {
   if (stage.classic) return 50 * (rows + data_.friction_begin.back()) + 500;
   if (stage.arithmetic == ContactArithmetic::kQuad) return (data_.input.ngc > kSmallKernel ? 60 : 20) * rows + 100;
   const bool is_first = stage.variant == 0 && !stage.reinvert;
-  return is_first ? 3 * rows + 50 : 20 * rows + 100;
+  return (is_first ? 4 : 20) * rows + 100;
 }
 
 void ContactLemke::begin(const Budget& budget) {

@@ -24,7 +24,7 @@ constexpr int kSweepsOfOthers = 5;
 /// Units of psor's work in one of contact_lemke's; sums of such multiples have no rounding.
 constexpr double kWorkOfPart = 0.375;
 /// Of contact_lemke in one sweep of a part: more than most take, and a small part of what all its paths might.
-constexpr std::int64_t kFewestPivots = 200;
+constexpr std::int64_t kFewestPivots = 300;
 constexpr std::int64_t kPivotsPerContact = 8;
 
 }  // namespace

@@ -156,7 +156,7 @@ TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
   ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_TRUE(errors_of(problem, answer).solved);
   EXPECT_EQ(answer.detail, "second path");
-  EXPECT_LT(answer.counters.pivots, 300);
+  EXPECT_LT(answer.counters.pivots, 400);  // the limit is 264 of 41 rows
 
   ContactLemke brief{ContactLemkeSettings{}};
   brief.limit_stages(1);  // of paths that end
