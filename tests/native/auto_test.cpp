@@ -233,7 +233,9 @@ TEST(AutoTest, ALoadTakesTheMemoryOfItsMethodOnceForAllSmallIslands) {
       return Problem("stacks", box_stacks({.stacks = count, .height = 2, .edges = edges}));
     };
     const std::size_t one = bytes_taken_in_load(stacks(1));
-    EXPECT_LT(bytes_taken_in_load(stacks(21)) - bytes_taken_in_load(stacks(11)), 10 * one / 2) << edges << " edges";
+    // Without friction an island's own data are 0.63 of what a load of one island takes.
+    EXPECT_LT(bytes_taken_in_load(stacks(21)) - bytes_taken_in_load(stacks(11)), 7.5 * static_cast<double>(one))
+        << edges << " edges";
   }
 }
 
