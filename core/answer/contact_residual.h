@@ -38,8 +38,13 @@ class ContactResidual {
   /// @param contact  finite, must outlive this object
   explicit ContactResidual(const ContactProblem& contact);
 
+  /// Another velocity before the impact (ngc), in place of that of the problem.
+  void set_velocity(const Vector& v);
+
   /// Not finite where the inertia is unresolved, unless z has no impulses. @pre lcp @param z  finite, of the right length
   Point at(const Vector& z) const;
+  /// The same, in the memory of `point`, of z with the least lambdas that its impulses allow, which are written to it.
+  void complete(Vector& z, Point& point) const;
 
   /// The residual of each row that the model has: of the pyramid all, else the normal rows, and in place of each cone
   /// row the residual of the cone. Of the convex model a contact with friction has no normal row.
@@ -61,11 +66,13 @@ class ContactResidual {
 
  private:
   Quad pyramid_row(std::size_t row, const Point& point);
-  QuadVector errors_of_islands(const Point& point);
+  void measure_errors(const Point& point);
 
   RowIslands islands_;
   IslandRows rows_;
   QuadVector scales_, convex_scales_;  // of pyramid and cone; of the convex model
+  QuadVector largest_, errors_;        // by island
+  std::vector<Index> row_of_;          // the row of largest_
 };
 
 template <class Visit>

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "core/answer/contact_residual.h"
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/active_set/contact_farkas.h"
@@ -75,6 +77,7 @@ class AnswerTest {
   bool solves_contacts();
   contact_lemke::Residual complete_in_quad();
   bool solves_bodies();
+  double residual_in_quad();
   bool has_time_for_quad();
   bool has_time_for(double seconds);
   Outcome confirm(double deadline_s);
@@ -86,6 +89,8 @@ class AnswerTest {
   ContactInput contacts_;
   BareLcpTest bare_test_;
   BodiesTest bodies_test_;
+  std::optional<ContactResidual> exact_;  // of bodies one by one, once double was in doubt
+  ContactResidual::Point point_;          // of completed_, by exact_
   DoubtfulInertia doubtful_;
   const ContactProblem* contact_ = nullptr;  // nullptr: bare
   bool by_bodies_ = false;

@@ -6,30 +6,29 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <variant>
 
 #include "core/entries.h"
 #include "native/answer_test/beside_rows.h"
-#include "native/answer_test/small_blocks.h"
 #include "native/proofs/doubtful_inertia.h"
-#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTrusted = 0.1;           ///< share of a block's least eigenvalue that rounding may take
-constexpr double kSmallestSafe = 1e-280;   ///< sums of products above this lose nothing that counts to underflow
-constexpr Index kLargeBlock = 8;           ///< from this order on the kernels for double are faster
+constexpr double kRoundoff = 0x1p-53;
+constexpr double kTrusted = 0.1;          ///< share of a block's least eigenvalue that rounding may take
+constexpr double kSmallestSafe = 1e-280;  ///< sums of products above this lose nothing that counts to underflow
+constexpr Index kLargeBlock = 8;          ///< from this order on the kernels are faster
 
 /// Of 113 bits, fitted to times of piles, walls and blocks of 2 to 20 coordinates, in units of 0.2 ns: for each entry
 /// of [N D], for each coordinate, and for the cube of each block's order.
 constexpr double kWorkOfEntry = 560, kWorkOfCoordinate = 6000, kWorkOfCube = 100;
 
 /// largest := max(largest, x). NaN and infinity make it infinite, and it stays so.
-template <class Scalar>
-void raise(Scalar& largest, Scalar x) {
-  if (!(x <= largest)) largest = x < static_cast<Scalar>(kInfinity) ? x : static_cast<Scalar>(kInfinity);
+void raise(double& largest, double x) {
+  if (!(x <= largest)) largest = x < kInfinity ? x : kInfinity;
 }
 
 Index nonzeros(const Matrix& J) { return (J.array() != 0).count(); }
@@ -56,20 +55,20 @@ void sum_column(const ContactProblem& contact, Index j, Sum& sum) {
 }
 
 /// Products of a column J_j of [N D] with v+, and of its magnitudes with the bounds, summed by sum_column().
-template <class Scalar>
+template <class Coordinate>
 struct SeenByColumn {
-  const Scalar* coordinates;  ///< those of BodiesTest::Room: v+, bound and reach of each
-  Scalar velocity = 0;        ///< J_j'v+
-  Scalar bound = 0;           ///< |J_j|' times bound
-  Scalar reach = 0;           ///< and times reach
+  const Coordinate* coordinates;
+  double velocity = 0;  ///< J_j'v+
+  double bound = 0;     ///< |J_j|' times bound
+  double reach = 0;     ///< and times reach
 
   /// Adds the terms of coordinate `i`, where J_j is `value`, not zero.
   void add(Index i, double value) {
-    const Scalar* const here = coordinates + 3 * i;
-    const Scalar size = static_cast<Scalar>(std::abs(value));
-    velocity += static_cast<Scalar>(value) * here[0];
-    bound += size * here[1];
-    reach += size * here[2];
+    const Coordinate& here = coordinates[i];
+    const double size = std::abs(value);
+    velocity += value * here.velocity;
+    bound += size * here.bound;
+    reach += size * here.reach;
   }
 };
 
@@ -86,78 +85,71 @@ struct VelocityOfColumn {
 };
 
 /// An impulse along a column, and the magnitudes of its terms.
-template <class Scalar>
 struct AddedImpulse {
-  Scalar impulse;
-  Scalar* to;
-  Scalar* terms;
+  double impulse;
+  double* to;
+  double* terms;
   Index last = -1;
 
   void add(Index i, double value) {
-    const Scalar part = impulse * static_cast<Scalar>(value);
+    const double part = impulse * value;
     to[i] += part;
-    terms[i] += magnitude(part);
+    terms[i] += std::abs(part);
     last = i;
   }
 };
 
-template <class Scalar, class Room>
-auto row_of(const ContactProblem& contact, Index j, const Beside<Scalar>& beside, const Room& room) {
-  SeenByColumn<Scalar> seen{.coordinates = room.coordinates.data()};
-  sum_column(contact, j, seen);
-  typename Room::Row row{.column = j,
-                         .w = seen.velocity,
-                         .rounding = seen.bound,
-                         .reach = seen.reach,
-                         .compliance = beside.compliance};
-  row.w += beside.offset + beside.yields;
-  row.rounding += static_cast<Scalar>(4 * room.roundoff) * (beside.terms + beside.terms_of_yields);
-  if (beside.compliance > 0) row.reach = root_of(row.reach * row.reach + beside.compliance);
-  return row;
-}
-
 /// Whether a row is off by more than any answer may be, and by more than the rows before it.
-template <class Scalar, class Island>
-bool is_too_much(Scalar off, const Island& island) {
-  return off > island.certain && off > static_cast<Scalar>(kClaimedResidual) * island.scale;
+template <class Island>
+bool is_too_much(double off, const Island& island) {
+  return off > island.certain && off > kClaimedResidual * island.scale;
 }
 
 /// residual / scale; infinity, so that nothing is claimed, where either is not finite.
-template <class Scalar>
-double relative(Scalar residual, Scalar scale) {
-  const bool are_finite = scale <= static_cast<Scalar>(DBL_MAX) && residual < static_cast<Scalar>(kInfinity);
-  return are_finite ? static_cast<double>(residual / scale) : kInfinity;
+double relative(double residual, double scale) {
+  return scale <= DBL_MAX && residual < kInfinity ? residual / scale : kInfinity;
+}
+
+// Cholesky factors as the kernels of cholesky_engine.h store them: L by columns of n entries, with the inverse of each
+// diagonal entry in its place. What stands above the diagonal is neither written nor read.
+
+/// L of block = L L'. @returns whether the block is positive definite; if not, L means nothing
+bool factor_block(const Matrix& block, double* L) {
+  const Index n = block.rows();
+  for (Index j = 0; j < n; ++j) {
+    double* const column = L + j * n;
+    std::copy(block.data() + j * n + j, block.data() + (j + 1) * n, column + j);
+    for (Index k = 0; k < j; ++k) {
+      const double* const before = L + k * n;
+      for (Index i = j; i < n; ++i) column[i] -= before[i] * before[j];
+    }
+    if (!(column[j] > 0)) return false;
+    column[j] = 1 / std::sqrt(column[j]);
+    for (Index i = j + 1; i < n; ++i) column[i] *= column[j];
+  }
+  return true;
+}
+
+/// x := L^-1 x, for an x whose entries before `first` are zero.
+void solve_lower(const double* L, Index n, double* x, Index first = 0) {
+  for (Index i = first; i < n; ++i) {
+    const double* const column = L + i * n;
+    const double value = x[i] *= column[i];
+    for (Index k = i + 1; k < n; ++k) x[k] -= column[k] * value;
+  }
+}
+
+/// x := L'^-1 x
+void solve_transposed(const double* L, Index n, double* x) {
+  for (Index i = n; i-- > 0;) {
+    const double* const column = L + i * n;
+    double sum = x[i];
+    for (Index k = i + 1; k < n; ++k) sum -= column[k] * x[k];
+    x[i] = sum * column[i];
+  }
 }
 
 }  // namespace
-
-template <class Scalar>
-void BodiesTest::Room<Scalar>::reserve(const Sizes& sizes) {
-  for_each_vector(sizes, [](auto& vector, Index size) { vector.reserve(static_cast<std::size_t>(size)); });
-}
-
-template <class Scalar>
-void BodiesTest::Room<Scalar>::resize(const Sizes& sizes) {
-  for_each_vector(sizes, [](auto& vector, Index size) { vector.resize(static_cast<std::size_t>(size)); });
-}
-
-template <class Scalar>
-template <class Visit>
-void BodiesTest::Room<Scalar>::for_each_vector(const Sizes& sizes, Visit&& visit) {
-  for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
-    visit(*by_coordinate, sizes.ngc);
-  }
-  visit(coordinates, 3 * sizes.ngc);
-  visit(factors, sizes.factors);
-  visit(inverse, 4 * sizes.largest_block);
-  if (sizeof(Scalar) == sizeof(double) && sizes.largest_block >= kLargeBlock) {
-    const Index stride = sizes.largest_block + cholesky::kMargin;
-    visit(dense, stride * stride);
-    visit(work, cholesky::work_size(sizes.largest_block));
-  }
-  visit(islands, sizes.islands);
-  visit(rows, sizes.most_directions);
-}
 
 BodiesTest::BodiesTest() : kernels_(cholesky::engine(isa_level())) {}
 
@@ -173,27 +165,35 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   }
   scales_.reserve(static_cast<std::size_t>(numbers_.count));
   set_velocity(contact.v);
-  sizes_ = {.ngc = contact.ngc(), .islands = numbers_.count};
-  places_.clear();
+  blocks_.clear();
+  is_factored_ = false;
   double cubes = 0;  // of the blocks' orders
-  Index first = 0;
-  for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) {
-    places_.push_back({.first = first, .factor = sizes_.factors, .order = block.rows()});
-    first += block.rows();
-    sizes_.factors += block.size();
-    sizes_.largest_block = std::max(sizes_.largest_block, block.rows());
-    cubes += static_cast<double>(block.size() * block.rows());
-  }
-  work_in_quad_ = kWorkOfCoordinate * static_cast<double>(sizes_.ngc) + kWorkOfCube * cubes;
+  Index factors = 0, largest = 0;
+  for_each_matrix(contact.inertia, [&](const Matrix& G, Index first) {
+    blocks_.push_back({.given = &G, .first = first, .factor = factors});
+    factors += G.size();
+    largest = std::max(largest, G.rows());
+    cubes += static_cast<double>(G.size() * G.rows());
+  });
+  work_in_quad_ = kWorkOfCoordinate * static_cast<double>(contact.ngc()) + kWorkOfCube * cubes;
   for (const Jacobian* J : {&contact.N, &contact.D}) {
     const Index entries = std::visit([](const auto& matrix) { return nonzeros(matrix); }, *J);
     work_in_quad_ += kWorkOfEntry * static_cast<double>(entries);
   }
-  for (const int edges : contact.edges) sizes_.most_directions = std::max<Index>(sizes_.most_directions, edges / 2);
-  double_.roundoff = 0x1p-53;
-  double_.reserve(sizes_);
-  quad_.roundoff = kQuadUnitRoundoff;
-  quad_.reserve(sizes_);
+  const auto take = [](auto& vector, Index size) { vector.resize(static_cast<std::size_t>(size)); };
+  take(factors_, factors);
+  take(part_, largest);
+  if (largest >= kLargeBlock) {
+    const Index stride = largest + cholesky::kMargin;
+    take(dense_, stride * stride);
+    take(work_, cholesky::work_size(largest));
+  }
+  take(impulse_, contact.ngc());
+  take(terms_, contact.ngc());
+  take(coordinates_, contact.ngc());
+  take(islands_, numbers_.count);
+  const auto most = std::max_element(contact.edges.begin(), contact.edges.end());
+  take(rows_, most == contact.edges.end() ? 0 : *most / 2);
 }
 
 /// In double, whose rounding is far below the share of it that counts.
@@ -216,206 +216,15 @@ void BodiesTest::measure_scales() {
   }
 }
 
-/// As respond_block(), but L has the inverse of each diagonal entry in its place. @returns false, with L, reach and x
-/// unchanged, where the block is not definite
-bool BodiesTest::respond_by_kernels(const Matrix& block, double* L, double* reach, double* x,
-                                    Room<double>& room) const {
-  const Index n = block.rows();
-  const Index stride = n + cholesky::kMargin;
-  cholesky::take_lower(block.data(), n, room.dense.data(), stride);
-  if (!kernels_.factor(room.dense.data(), stride, n, n, room.work.data())) return false;
-  cholesky::keep_columns(room.dense.data(), stride, n, n, L);
-  kernels_.measure_inverse(L, n, reach, room.work.data());
-  kernels_.solve_lower(L, n, n, x);
-  kernels_.solve_transposed(L, n, n, x);
-  return true;
-}
-
-/// u of one block for its impulse, and its reach. @returns whether it is definite
-template <class Scalar>
-bool BodiesTest::factor_and_respond(const Matrix& block, const Place& place, Room<Scalar>& room) const {
-  const Index n = place.order;
-  Scalar* const L = room.factors.data() + place.factor;
-  Scalar* const x = room.u.data() + place.first;
-  Scalar* const reach = room.reach.data() + place.first;
-  if constexpr (sizeof(Scalar) == sizeof(double)) {
-    if (n >= kLargeBlock && respond_by_kernels(block, L, reach, x, room)) return true;
-  }
-  const auto respond_sized = n == 3   ? respond_block<3, Scalar>
-                             : n == 6 ? respond_block<6, Scalar>
-                                      : respond_block<0, Scalar>;
-  return respond_sized(block, L, room.inverse.data(), reach, x);
-}
-
-/// A bound on M_jj of a row that may need one: Row::reach squared is many times as much where its blocks are
-/// ill-conditioned. O(the squares of the orders of the blocks that the row touches)
-template <class Scalar>
-Scalar BodiesTest::diagonal_of(const typename Room<Scalar>::Row& row, Room<Scalar>& room) const {
-  Scalar square = 0;
-  const Place* place = nullptr;
-  Scalar* const x = room.inverse.data();
-  const auto finish_block = [&] {
-    if (place == nullptr) return;
-    const Scalar* const L = room.factors.data() + place->factor;
-    bool is_large = false;  // then its factor is that of the kernels
-    if constexpr (sizeof(Scalar) == sizeof(double)) {
-      is_large = place->order >= kLargeBlock;
-      if (is_large) kernels_.solve_lower(L, place->order, place->order, x);
-    }
-    if (!is_large) solve_lower<0>(L, static_cast<std::size_t>(place->order), x);
-    for (Index i = 0; i < place->order; ++i) square += x[i] * x[i];
-  };
-  const bool is_normal = row.column < contact_->nc();
-  const Index column = is_normal ? row.column : row.column - contact_->nc();
-  for_each_entry(is_normal ? contact_->N : contact_->D, column, [&](Index i, double value) {
-    const bool goes_back = place != nullptr && i < place->first;
-    if (goes_back) square = static_cast<Scalar>(kInfinity);  // unsorted entries give no bound here
-    if (place == nullptr || goes_back || i >= place->first + place->order) {
-      finish_block();
-      place = &*std::prev(std::upper_bound(places_.begin(), places_.end(), i,
-                                           [](Index at, const Place& next) { return at < next.first; }));
-      std::fill_n(x, place->order, Scalar(0));
-    }
-    x[i - place->first] += static_cast<Scalar>(value);
-  });
-  finish_block();
-  const Scalar bound = static_cast<Scalar>(1 + 2 * kTrusted) * square + row.compliance;
-  return std::min(row.reach * row.reach, bound);
-}
-
-template <class Scalar>
-void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
-  std::fill(room.impulse.begin(), room.impulse.end(), Scalar(0));
-  std::fill(room.terms.begin(), room.terms.end(), Scalar(0));
-  for (std::size_t k = 0; k < room.islands.size(); ++k) {
-    room.islands[k] = {0, 0, static_cast<Scalar>(scales_[k].value()), 0, 0, 0, 0, false, true};
-  }
-  for (Index j = 0; j < layout_.lambda_offset(); ++j) {
-    if (z(j) == 0) continue;
-    AddedImpulse<Scalar> added{
-        .impulse = static_cast<Scalar>(z(j)), .to = room.impulse.data(), .terms = room.terms.data()};
-    sum_column(*contact_, j, added);
-    if (added.last < 0) continue;
-    const Index island = numbers_.of_coordinate[static_cast<std::size_t>(added.last)];  // that of all its entries
-    room.islands[static_cast<std::size_t>(island)].presses = true;
-  }
-}
-
-/// u of one block, by Cholesky; reach, root, and how far u may be off. Only what touches the block can put it off, of
-/// one island at a time. @param sums relative rounding of an impulse on a coordinate
-template <class Scalar>
-void BodiesTest::respond(const Matrix& block, const Place& place, Scalar sums, Room<Scalar>& room) const {
-  const auto n = static_cast<std::size_t>(place.order);
-  const auto at = static_cast<std::size_t>(place.first);
-  Scalar* const x = room.u.data() + at;
-  std::copy_n(room.impulse.data() + at, n, x);
-  const bool is_definite = factor_and_respond(block, place, room);
-  Scalar condition = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    room.root[at + k] = root_of(static_cast<Scalar>(block(static_cast<Index>(k), static_cast<Index>(k))));
-    const Scalar scaled = room.reach[at + k] * room.root[at + k];
-    condition += scaled * scaled;
-  }
-  const Scalar lost = static_cast<Scalar>(room.roundoff * static_cast<double>(n * (8 + 4 * n))) * condition;
-  const bool is_known = is_definite && lost < static_cast<Scalar>(kTrusted);
-  const auto island_of = [&](std::size_t i) {
-    const Index k = numbers_.of_coordinate[at + i];
-    return k < 0 ? nullptr : &room.islands[static_cast<std::size_t>(k)];
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    if (Island<Scalar>* const island = island_of(i)) island->rounded = island->lost = island->moved = 0;
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (island_of(i) == nullptr) continue;
-    Island<Scalar>& island = *island_of(i);
-    const bool is_safe = room.terms[at + i] == 0 || room.terms[at + i] > static_cast<Scalar>(kSmallestSafe);
-    island.is_known = island.is_known && is_known && is_safe;
-    island.rounded += room.reach[at + i] * room.terms[at + i];
-    island.lost += room.reach[at + i] * room.root[at + i] * static_cast<Scalar>(static_cast<double>(8 + 4 * n));
-    island.moved += room.root[at + i] * magnitude(x[i]);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    const Island<Scalar>* const island = island_of(i);
-    room.bound[at + i] = 0;
-    if (island == nullptr) continue;
-    const Scalar off = sums * island->rounded + static_cast<Scalar>(room.roundoff) * island->lost * island->moved;
-    room.bound[at + i] = room.reach[at + i] * off;
-  }
-}
-
-/// min(M_jj z_j, w) or more, of a row with z_j >= 0.
-template <class Scalar>
-void BodiesTest::offer(const typename Room<Scalar>::Row& row, Scalar w, double z, Island<Scalar>& island,
-                       Room<Scalar>& room) const {
-  Scalar pressure = row.reach * row.reach * static_cast<Scalar>(z);
-  const auto off = [&](Scalar least) { return least < 0 ? -least : (least < pressure ? least : pressure); };
-  if (z > 0 && is_too_much(off(w + row.rounding), island)) pressure = diagonal_of(row, room) * static_cast<Scalar>(z);
-  raise(island.worst, off(w));
-  raise(island.certain, std::max(off(w + row.rounding), off(w - row.rounding)));
-  raise(island.rounding, row.rounding);
-  if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
-}
-
-/// v joins u, and the rounding of rows joins its bound.
-template <class Scalar>
-void BodiesTest::show_velocity(Room<Scalar>& room) const {
-  const Scalar dots = static_cast<Scalar>(room.roundoff * static_cast<double>(4 + contact_->ngc()));
-  for (std::size_t i = 0; i < room.u.size(); ++i) {
-    const Scalar v = static_cast<Scalar>(v_(static_cast<Index>(i)));
-    room.bound[i] += dots * (magnitude(room.u[i]) + magnitude(v));
-    room.u[i] += v;
-    const Scalar coordinates[] = {room.u[i], room.bound[i], room.reach[i]};
-    std::copy_n(coordinates, 3, room.coordinates.data() + 3 * i);
-  }
-}
-
-template <class Scalar>
-void BodiesTest::measure_friction(Index contact, const typename Room<Scalar>::Row& normal, Vector& z,
-                                  Room<Scalar>& room) const {
-  const auto c = static_cast<std::size_t>(contact);
-  Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[c])];
-  const Index first = layout_.friction_offset() + layout_.friction_begin[c];
-  const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
-  Scalar largest = 0;
-  const BesideFriction<Scalar> beside(*contact_, layout_, contact, z);
-  for (Index t = 0; t < half; ++t) {
-    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, first + t, beside.of(t), room);
-    raise(largest, magnitude(room.rows[static_cast<std::size_t>(t)].w));
-  }
-  double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
-  lambda = static_cast<double>(largest);
-  if (!std::isfinite(lambda)) raise(island.certain, static_cast<Scalar>(kInfinity));
-  const Scalar bound = static_cast<Scalar>(lambda);
-  Scalar unused = static_cast<Scalar>(contact_->mu(contact)) * static_cast<Scalar>(z(contact));
-  Scalar terms = unused;
-  for (Index t = 0; t < half; ++t) {
-    const auto& row = room.rows[static_cast<std::size_t>(t)];
-    offer(row, bound + row.w, z(first + t), island, room);
-    offer(row, bound - row.w, z(first + half + t), island, room);
-    const Scalar used = static_cast<Scalar>(z(first + t)) + static_cast<Scalar>(z(first + half + t));
-    unused -= used;
-    terms += used;
-  }
-  const Scalar rounding = terms * static_cast<Scalar>(room.roundoff * static_cast<double>(2 + 4 * half));
-  const Scalar left = magnitude(unused) + rounding;
-  Scalar most = static_cast<Scalar>(1 + 2 * kTrusted) * normal.reach * normal.reach * left;
-  if (is_too_much(std::min(bound, most), island)) most = std::min(most, diagonal_of(normal, room) * left);
-  raise(island.worst, unused > 0 && bound < most ? bound : most);
-  raise(island.certain, unused > rounding && bound < most ? bound : most);
-  raise(island.rounding, 2 * normal.reach * normal.reach * rounding);
-}
-
-template <class Scalar>
-contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
-  room.resize(sizes_);
+contact_lemke::Residual BodiesTest::complete(Vector& z) {
   if (scales_.empty()) measure_scales();
-  add_impulses(z, room);
-  const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
-  const std::vector<Matrix>& blocks = std::get<BlockInertia>(contact_->inertia).blocks;
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    respond(blocks[k], places_[k], static_cast<Scalar>(room.roundoff * most_terms), room);
+  if (!is_factored_) {
+    for (Block& block : blocks_) factor(block);
+    is_factored_ = true;
   }
-  show_velocity(room);
+  add_impulses(z);
+  const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
+  for (const Block& block : blocks_) respond(block, kRoundoff * most_terms);
   contact_lemke::Residual residual;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);
@@ -425,13 +234,12 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
       if (contact_->offset(c) < 0) residual = {kInfinity, kInfinity};  // nothing moves it
       continue;
     }
-    Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
-    const auto row = row_of<Scalar>(*contact_, c, beside_normal<Scalar>(*contact_, c, z(c)), room);
-    offer(row, row.w, z(c), island, room);
-    if (lambda >= 0) measure_friction(c, row, z, room);
+    const Row row = row_of(c, beside_normal<double>(*contact_, c, z(c)));
+    offer(row, row.w, z(c), islands_[static_cast<std::size_t>(numbers_.of_contact[contact])]);
+    if (lambda >= 0) measure_friction(c, row, z);
   }
   double rounding = 0;
-  for (const Island<Scalar>& island : room.islands) {
+  for (const Island& island : islands_) {
     const bool is_certain = island.is_known || !island.presses;
     rounding = std::max(rounding, is_certain ? relative(island.rounding, island.scale) : kInfinity);
     residual.velocity = std::max(residual.velocity, relative(island.worst, island.scale));
@@ -442,7 +250,196 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
   return residual;
 }
 
-template contact_lemke::Residual BodiesTest::complete(Vector& z, Room<double>& room);
-template contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Quad>& room);
+/// L, and reach and root of the block's coordinates.
+void BodiesTest::factor(Block& block) {
+  const Index n = block.order();
+  const Matrix& given = *block.given;
+  double* const L = factors_.data() + block.factor;
+  double* const x = part_.data();
+  const bool is_large = n >= kLargeBlock;
+  const bool is_definite = is_large ? factor_by_kernels(given, L, x) : factor_block(given, L);
+  double condition = 0;
+  for (Index k = 0; is_definite && k < n; ++k) {
+    Coordinate& here = coordinates_[static_cast<std::size_t>(block.first + k)];
+    here.root = std::sqrt(given(k, k));
+    if (is_large) {
+      here.reach = x[k];
+    } else {
+      std::fill(x, x + n, 0.0);
+      x[k] = 1;
+      lcpbench::solve_lower(L, n, x, k);
+      here.reach = std::sqrt(std::inner_product(x + k, x + n, x + k, 0.0));
+    }
+    condition += here.reach * here.root * here.reach * here.root;
+  }
+  block.is_known = is_definite && kRoundoff * static_cast<double>(n * (8 + 4 * n)) * condition < kTrusted;
+}
+
+/// L, and the lengths of the columns of its inverse. @returns false where the block is not definite
+bool BodiesTest::factor_by_kernels(const Matrix& given, double* L, double* reach) {
+  const Index n = given.rows();
+  const Index stride = n + cholesky::kMargin;
+  cholesky::take_lower(given.data(), n, dense_.data(), stride);
+  if (!kernels_.factor(dense_.data(), stride, n, n, work_.data())) return false;
+  cholesky::keep_columns(dense_.data(), stride, n, n, L);
+  kernels_.measure_inverse(L, n, reach, work_.data());
+  return true;
+}
+
+/// x := L^-1 x
+void BodiesTest::solve_lower(const Block& block, double* x) const {
+  const double* const L = factors_.data() + block.factor;
+  const Index n = block.order();
+  if (n >= kLargeBlock) return kernels_.solve_lower(L, n, n, x);
+  lcpbench::solve_lower(L, n, x);
+}
+
+/// x := L'^-1 x
+void BodiesTest::solve_transposed(const Block& block, double* x) const {
+  const double* const L = factors_.data() + block.factor;
+  const Index n = block.order();
+  if (n >= kLargeBlock) return kernels_.solve_transposed(L, n, n, x);
+  lcpbench::solve_transposed(L, n, x);
+}
+
+void BodiesTest::add_impulses(const Vector& z) {
+  std::fill(impulse_.begin(), impulse_.end(), 0.0);
+  std::fill(terms_.begin(), terms_.end(), 0.0);
+  for (std::size_t k = 0; k < islands_.size(); ++k) {
+    islands_[k] = {};
+    islands_[k].scale = scales_[k].value();
+  }
+  for (Index j = 0; j < layout_.lambda_offset(); ++j) {
+    if (z(j) == 0) continue;
+    AddedImpulse added{.impulse = z(j), .to = impulse_.data(), .terms = terms_.data()};
+    sum_column(*contact_, j, added);
+    if (added.last < 0) continue;
+    const Index island = numbers_.of_coordinate[static_cast<std::size_t>(added.last)];  // that of all its entries
+    islands_[static_cast<std::size_t>(island)].presses = true;
+  }
+}
+
+/// v+ of one block, and how far it may be off. Only what touches the block can put it off, of one island at a time.
+/// @param sums relative rounding of an impulse on a coordinate
+void BodiesTest::respond(const Block& block, double sums) {
+  const auto n = static_cast<std::size_t>(block.order());
+  const auto at = static_cast<std::size_t>(block.first);
+  double* const x = part_.data();
+  std::copy_n(impulse_.data() + at, n, x);
+  solve_lower(block, x);
+  solve_transposed(block, x);
+  const auto island_of = [&](std::size_t i) {
+    const Index k = numbers_.of_coordinate[at + i];
+    return k < 0 ? nullptr : &islands_[static_cast<std::size_t>(k)];
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (Island* const island = island_of(i)) island->rounded = island->lost = island->moved = 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    Island* const island = island_of(i);
+    if (island == nullptr) continue;
+    const Coordinate& here = coordinates_[at + i];
+    const double terms = terms_[at + i];
+    island->is_known = island->is_known && block.is_known && (terms == 0 || terms > kSmallestSafe);
+    island->rounded += here.reach * terms;
+    island->lost += here.reach * here.root * static_cast<double>(8 + 4 * n);
+    island->moved += here.root * std::abs(x[i]);
+  }
+  const double dots = kRoundoff * static_cast<double>(4 + contact_->ngc());
+  for (std::size_t i = 0; i < n; ++i) {
+    Coordinate& here = coordinates_[at + i];
+    const double v = v_(static_cast<Index>(at + i));
+    here.bound = dots * (std::abs(x[i]) + std::abs(v));
+    if (const Island* const island = island_of(i)) {
+      here.bound += here.reach * (sums * island->rounded + kRoundoff * island->lost * island->moved);
+    }
+    here.velocity = x[i] + v;
+  }
+}
+
+template <class Beside>
+BodiesTest::Row BodiesTest::row_of(Index column, const Beside& beside) const {
+  SeenByColumn<Coordinate> seen{.coordinates = coordinates_.data()};
+  sum_column(*contact_, column, seen);
+  Row row{.column = column,
+          .w = seen.velocity + (beside.offset + beside.yields),
+          .rounding = seen.bound + 4 * kRoundoff * (beside.terms + beside.terms_of_yields),
+          .reach = seen.reach,
+          .compliance = beside.compliance};
+  if (row.compliance > 0) row.reach = std::sqrt(row.reach * row.reach + row.compliance);
+  return row;
+}
+
+/// min(M_jj z_j, w) or more, of a row with z_j >= 0.
+void BodiesTest::offer(const Row& row, double w, double z, Island& island) {
+  double pressure = row.reach * row.reach * z;
+  const auto off = [&](double least) { return least < 0 ? -least : std::min(least, pressure); };
+  if (z > 0 && is_too_much(off(w + row.rounding), island)) pressure = diagonal_of(row) * z;
+  raise(island.worst, off(w));
+  raise(island.certain, std::max(off(w + row.rounding), off(w - row.rounding)));
+  raise(island.rounding, row.rounding);
+  if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
+}
+
+void BodiesTest::measure_friction(Index contact, const Row& normal, Vector& z) {
+  const auto c = static_cast<std::size_t>(contact);
+  Island& island = islands_[static_cast<std::size_t>(numbers_.of_contact[c])];
+  const Index first = layout_.friction_offset() + layout_.friction_begin[c];
+  const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
+  const BesideFriction<double> beside(*contact_, layout_, contact, z);
+  double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
+  lambda = 0;
+  for (Index t = 0; t < half; ++t) {
+    Row& row = rows_[static_cast<std::size_t>(t)];
+    row = row_of(first + t, beside.of(t));
+    raise(lambda, std::abs(row.w));
+  }
+  if (!std::isfinite(lambda)) raise(island.certain, kInfinity);
+  double unused = contact_->mu(contact) * z(contact);
+  double terms = unused;
+  for (Index t = 0; t < half; ++t) {
+    const Row& row = rows_[static_cast<std::size_t>(t)];
+    offer(row, lambda + row.w, z(first + t), island);
+    offer(row, lambda - row.w, z(first + half + t), island);
+    const double used = z(first + t) + z(first + half + t);
+    unused -= used;
+    terms += used;
+  }
+  const double rounding = terms * kRoundoff * static_cast<double>(2 + 4 * half);
+  const double left = std::abs(unused) + rounding;
+  double most = (1 + 2 * kTrusted) * normal.reach * normal.reach * left;
+  if (is_too_much(std::min(lambda, most), island)) most = std::min(most, diagonal_of(normal) * left);
+  raise(island.worst, unused > 0 && lambda < most ? lambda : most);
+  raise(island.certain, unused > rounding && lambda < most ? lambda : most);
+  raise(island.rounding, 2 * normal.reach * normal.reach * rounding);
+}
+
+/// A bound on M_jj of a row that may need one: Row::reach squared is many times as much where its blocks are
+/// ill-conditioned. O(the squares of the orders of the blocks that the row touches)
+double BodiesTest::diagonal_of(const Row& row) {
+  double square = 0;
+  const Block* block = nullptr;
+  double* const x = part_.data();
+  const auto finish_block = [&] {
+    if (block == nullptr) return;
+    solve_lower(*block, x);
+    square += Eigen::Map<const Vector>(x, block->order()).squaredNorm();
+  };
+  const bool is_normal = row.column < contact_->nc();
+  const Index column = is_normal ? row.column : row.column - contact_->nc();
+  for_each_entry(is_normal ? contact_->N : contact_->D, column, [&](Index i, double value) {
+    const bool goes_back = block != nullptr && i < block->first;
+    if (goes_back) square = kInfinity;  // unsorted entries give no bound here
+    if (block == nullptr || goes_back || i >= block->first + block->order()) {
+      finish_block();
+      block = &*std::prev(std::upper_bound(blocks_.begin(), blocks_.end(), i,
+                                           [](Index at, const Block& next) { return at < next.first; }));
+      std::fill_n(x, block->order(), 0.0);
+    }
+    x[i - block->first] += value;
+  });
+  finish_block();
+  return std::min(row.reach * row.reach, (1 + 2 * kTrusted) * square + row.compliance);
+}
 
 }  // namespace lcpbench

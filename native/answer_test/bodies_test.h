@@ -5,14 +5,13 @@
 #include "core/answer/contact_scale.h"
 #include "core/contact_problem.h"
 #include "core/islands.h"
-#include "core/quad.h"
 #include "native/contacts/contact_arrays.h"
 #include "native/kernels/cholesky_engine.h"
 
 namespace lcpbench {
 
-/// The measure of AnswerTest for contacts between separate bodies (BlockInertia), by what the contacts touch: no dense
-/// matrix over all bodies. Every block of G is factored anew in each test, in the arithmetic of the test.
+/// The measure of AnswerTest in double for contacts between separate bodies (BlockInertia), by what the contacts touch:
+/// no dense matrix over all bodies.
 class BodiesTest {
  public:
   BodiesTest();
@@ -29,87 +28,64 @@ class BodiesTest {
 
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer, with a bound on its rounding:
   /// see native/contact_lemke/completion.h, whose bound this is, with sums over a block in place of the island.
-  /// O(nonzeros, and the cubes of the blocks' orders). Allocates nothing.
-  contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
-  contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
+  /// O(nonzeros, and the squares of the blocks' orders); the first time after load() their cubes. Allocates nothing.
+  contact_lemke::Residual complete(Vector& z);
 
-  /// Of complete_in_quad(), about, see BudgetedSolver::work(). It depends on the data alone.
+  /// Of the same by ContactResidual, about, see BudgetedSolver::work(). It depends on the data alone.
   double work_in_quad() const { return work_in_quad_; }
 
-  /// A lower bound on the velocity residual of the answer that was completed last. If that of double is above what is
-  /// allowed, 113 bits cannot accept the answer.
+  /// A lower bound on the velocity residual of the answer that was completed last. If that is above what is allowed, 113
+  /// bits cannot accept the answer.
   double least() const { return least_; }
 
  private:
-  template <class Scalar>
   struct Island {
-    Scalar worst, certain, scale;
-    Scalar rounding;              ///< the largest of its rows
-    Scalar rounded, lost, moved;  ///< within the block that responds
-    bool presses;
-    bool is_known;
+    double worst = 0, certain = 0, scale = 0;
+    double rounding = 0;                       ///< the largest of its rows
+    double rounded = 0, lost = 0, moved = 0;  ///< within the block that responds
+    bool presses = false;
+    bool is_known = true;
   };
 
-  /// Where a block begins: its first coordinate, and the first number of its factor.
-  struct Place {
-    Index first, factor, order;
+  /// A block of G and its Cholesky factor L.
+  struct Block {
+    const Matrix* given;
+    Index first;            ///< coordinate
+    Index factor;           ///< first number of L
+    bool is_known = false;  ///< rounding takes a small part of what L solves
+
+    Index order() const { return given->rows(); }
   };
 
-  struct Sizes {
-    Index ngc = 0;
-    Index factors = 0;  ///< numbers of all
-    Index islands = 0;
-    Index largest_block = 0;
-    Index most_directions = 0;
+  /// What is known of one generalized coordinate.
+  struct Coordinate {
+    double velocity = 0;  ///< v+
+    double bound = 0;     ///< on the error of v+
+    double reach = 0;     ///< the root of its diagonal entry of G*
+    double root = 0;      ///< and of G
   };
 
-  template <class Scalar>
-  struct Room {
-    /// A row of w, that of column j of J, with what the test needs of it.
-    struct Row {
-      Index column = 0;     ///< j, in [N D]
-      Scalar w = 0;         ///< J_j'v+, with offset and compliance, without lambda
-      Scalar rounding = 0;  ///< bound on its error
-      Scalar reach = 0;     ///< at least the root of M_jj
-      Scalar compliance = 0;  ///< its part of M_jj
-    };
-
-    std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
-    std::vector<Scalar> coordinates;  // three for each coordinate: v+, bound and reach
-    std::vector<Scalar> factors;  // of all blocks
-    std::vector<Scalar> inverse;  // scratch: four columns of the inverse of the largest block
-    std::vector<double> dense, work;      // to factor a large block by the kernels for double
-    std::vector<Island<Scalar>> islands;
-    std::vector<Row> rows;  // of the friction directions of one contact
-    double roundoff = 0;
-
-    /// Takes the memory, which is not touched before resize(): 113 bits are rarely asked for.
-    void reserve(const Sizes& sizes);
-    void resize(const Sizes& sizes);
-    /// visit(vector, size) for every vector with the size that it needs.
-    template <class Visit>
-    void for_each_vector(const Sizes& sizes, Visit&& visit);
+  /// A row of w, that of column j of J, with what the test needs of it.
+  struct Row {
+    Index column = 0;       ///< j, in [N D]
+    double w = 0;           ///< J_j'v+, with offset and compliance, without lambda
+    double rounding = 0;    ///< bound on its error
+    double reach = 0;       ///< at least the root of M_jj
+    double compliance = 0;  ///< its part of M_jj
   };
 
   void measure_scales();
-  template <class Scalar>
-  bool factor_and_respond(const Matrix& block, const Place& place, Room<Scalar>& room) const;
-  bool respond_by_kernels(const Matrix& block, double* L, double* reach, double* x, Room<double>& room) const;
-  template <class Scalar>
-  void offer(const typename Room<Scalar>::Row& row, Scalar w, double z, Island<Scalar>& island,
-             Room<Scalar>& room) const;
-  template <class Scalar>
-  Scalar diagonal_of(const typename Room<Scalar>::Row& row, Room<Scalar>& room) const;
-  template <class Scalar>
-  contact_lemke::Residual complete(Vector& z, Room<Scalar>& room);
-  template <class Scalar>
-  void add_impulses(const Vector& z, Room<Scalar>& room) const;
-  template <class Scalar>
-  void respond(const Matrix& block, const Place& place, Scalar sums, Room<Scalar>& room) const;
-  template <class Scalar>
-  void show_velocity(Room<Scalar>& room) const;
-  template <class Scalar>
-  void measure_friction(Index contact, const typename Room<Scalar>::Row& normal, Vector& z, Room<Scalar>& room) const;
+  void factor(Block& block);
+  bool factor_by_kernels(const Matrix& given, double* L, double* reach);
+  void solve_lower(const Block& block, double* x) const;
+  void solve_transposed(const Block& block, double* x) const;
+  void add_impulses(const Vector& z);
+  void respond(const Block& block, double sums);
+  void measure_friction(Index contact, const Row& normal, Vector& z);
+  template <class Beside>
+  Row row_of(Index column, const Beside& beside) const;
+  void offer(const Row& row, double w, double z, Island& island);
+  double diagonal_of(const Row& row);
 
   const cholesky::Engine& kernels_;
   const ContactProblem* contact_ = nullptr;
@@ -117,10 +93,15 @@ class BodiesTest {
   IslandNumbers numbers_;
   Vector v_;
   std::vector<ContactScale<double>> scales_;  // of the islands; empty: not yet measured for v_
-  Sizes sizes_;
-  std::vector<Place> places_;  // of the blocks
-  Room<double> double_;
-  Room<Quad> quad_;
+  std::vector<Block> blocks_;
+  bool is_factored_ = false;
+  std::vector<double> factors_;         // of all blocks
+  std::vector<double> dense_, work_;    // to factor a large block by the kernels
+  std::vector<double> part_;            // scratch: the coordinates of a block
+  std::vector<double> impulse_, terms_;  // on each coordinate, and the sum of the magnitudes of its terms
+  std::vector<Coordinate> coordinates_;
+  std::vector<Island> islands_;
+  std::vector<Row> rows_;  // of the friction directions of one contact
   double work_in_quad_ = 0;
   double least_ = 0;
 };
