@@ -244,7 +244,7 @@ double IslandSolver::largest_claimed() const {
 }
 
 AnswerTest& IslandSolver::loaded_test() {
-  if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
+  if (!has_test_) test_.load(*problem_);
   has_test_ = true;
   test_.set_velocity(v_);
   test_.allow(aim_of(limits_.error));

@@ -394,7 +394,7 @@ void StickingContacts::load_test() {
   // All is one island, except contacts that nothing moves: their offset alone counts.
   const bool known = !contact_->has_offset();
   if (known) islands_.take_as_one(*contact_);
-  test_.load(*problem_, AnswerTest::Bodies::kOneByOne, known ? &islands_ : nullptr);
+  test_.load(*problem_, known ? &islands_ : nullptr);
   test_.set_velocity(v_);
   has_test_ = true;
 }

@@ -105,7 +105,7 @@ void ConeIpm::on_load(const Problem& problem) {
   if (!refusal_.empty()) return;
   layout_ = contact_layout(contact);
   v_ = contact.v;
-  if (!by_cone()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  if (!by_cone()) test_.load(problem);
   if (approaches()) load_islands(problem);
 }
 

@@ -1,5 +1,5 @@
-// No unit test: the part of AnswerTest for separate bodies.
-#include "native/answer_test/bodies_test.h"
+// No unit test: a part of AnswerTest.
+#include "native/answer_test/contact_test.h"
 
 #include <algorithm>
 #include <cfloat>
@@ -10,7 +10,6 @@
 #include <variant>
 
 #include "core/entries.h"
-#include "native/answer_test/beside_rows.h"
 #include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
@@ -22,17 +21,10 @@ constexpr double kTrusted = 0.1;          ///< share of a block's least eigenval
 constexpr double kSmallestSafe = 1e-280;  ///< sums of products above this lose nothing that counts to underflow
 constexpr Index kLargeBlock = 8;          ///< from this order on the kernels are faster
 
-/// Of 113 bits, fitted to times of piles, walls and blocks of 2 to 20 coordinates, in units of 0.2 ns: for each entry
-/// of [N D], for each coordinate, and for the cube of each block's order.
-constexpr double kWorkOfEntry = 560, kWorkOfCoordinate = 6000, kWorkOfCube = 100;
-
 /// largest := max(largest, x). NaN and infinity make it infinite, and it stays so.
 void raise(double& largest, double x) {
   if (!(x <= largest)) largest = x < kInfinity ? x : kInfinity;
 }
-
-Index nonzeros(const Matrix& J) { return (J.array() != 0).count(); }
-Index nonzeros(const SparseMatrix& J) { return J.nonZeros(); }
 
 /// sum.add(row, value) for the nonzero entries of column `j` of [N D]. The sum stays in registers where it can.
 template <class Sum>
@@ -99,6 +91,14 @@ struct AddedImpulse {
   }
 };
 
+/// The same in more bits.
+struct ExactImpulse {
+  double impulse;
+  long double* to;
+
+  void add(Index i, double value) { to[i] += static_cast<long double>(value) * impulse; }
+};
+
 /// Whether a row is off by more than any answer may be, and by more than the rows before it.
 template <class Island>
 bool is_too_much(double off, const Island& island) {
@@ -151,9 +151,9 @@ void solve_transposed(const double* L, Index n, double* x) {
 
 }  // namespace
 
-BodiesTest::BodiesTest() : kernels_(cholesky::engine(isa_level())) {}
+ContactTest::ContactTest() : kernels_(cholesky::engine(isa_level())) {}
 
-void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* numbers) {
+void ContactTest::load(const ContactProblem& contact, const IslandNumbers* numbers) {
   contact_ = &contact;
   layout_ = contact_layout(contact);
   if (numbers != nullptr && !numbers->of_contact.empty()) {
@@ -167,18 +167,15 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   set_velocity(contact.v);
   blocks_.clear();
   is_factored_ = false;
-  double cubes = 0;  // of the blocks' orders
   Index factors = 0, largest = 0;
-  for_each_matrix(contact.inertia, [&](const Matrix& G, Index first) {
-    blocks_.push_back({.given = &G, .first = first, .factor = factors});
-    factors += G.size();
-    largest = std::max(largest, G.rows());
-    cubes += static_cast<double>(G.size() * G.rows());
-  });
-  work_in_quad_ = kWorkOfCoordinate * static_cast<double>(contact.ngc()) + kWorkOfCube * cubes;
-  for (const Jacobian* J : {&contact.N, &contact.D}) {
-    const Index entries = std::visit([](const auto& matrix) { return nonzeros(matrix); }, *J);
-    work_in_quad_ += kWorkOfEntry * static_cast<double>(entries);
+  if (const auto* inverse = std::get_if<InverseInertia>(&contact.inertia)) {
+    blocks_.push_back({.given = &inverse->Ginv, .is_inverse = true, .first = 0, .factor = 0});
+  } else {
+    for_each_matrix(contact.inertia, [&](const Matrix& G, Index first) {
+      blocks_.push_back({.given = &G, .is_inverse = false, .first = first, .factor = factors});
+      factors += G.size();
+      largest = std::max(largest, G.rows());
+    });
   }
   const auto take = [](auto& vector, Index size) { vector.resize(static_cast<std::size_t>(size)); };
   take(factors_, factors);
@@ -190,6 +187,7 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   }
   take(impulse_, contact.ngc());
   take(terms_, contact.ngc());
+  exact_.reserve(impulse_.size());
   take(coordinates_, contact.ngc());
   take(islands_, numbers_.count);
   const auto most = std::max_element(contact.edges.begin(), contact.edges.end());
@@ -197,7 +195,7 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
 }
 
 /// In double, whose rounding is far below the share of it that counts.
-void BodiesTest::measure_scales() {
+void ContactTest::measure_scales() {
   scales_.assign(static_cast<std::size_t>(numbers_.count), {});
   for (Index c = 0; c < contact_->nc(); ++c) {
     const Index island = numbers_.of_contact[static_cast<std::size_t>(c)];
@@ -216,15 +214,24 @@ void BodiesTest::measure_scales() {
   }
 }
 
-contact_lemke::Residual BodiesTest::complete(Vector& z) {
+/// With a sharper bound where the first one is too large for a small residual.
+contact_lemke::Residual ContactTest::complete(Vector& z) {
   if (scales_.empty()) measure_scales();
   if (!is_factored_) {
-    for (Block& block : blocks_) factor(block);
+    for (Block& block : blocks_) block.is_inverse ? measure_inverse(block) : factor(block);
     is_factored_ = true;
   }
+  exact_.clear();
+  const contact_lemke::Residual residual = measure(z);
+  if (residual.certain <= kClaimedResidual || !(residual.velocity <= kClaimedResidual)) return residual;
+  sum_exactly(z);
+  return measure(z);
+}
+
+contact_lemke::Residual ContactTest::measure(Vector& z) {
   add_impulses(z);
-  const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
-  for (const Block& block : blocks_) respond(block, kRoundoff * most_terms);
+  const auto most_terms = static_cast<double>(64 + (z.array() != 0).count());
+  for (const Block& block : blocks_) respond(block, most_terms);
   contact_lemke::Residual residual;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);
@@ -234,7 +241,7 @@ contact_lemke::Residual BodiesTest::complete(Vector& z) {
       if (contact_->offset(c) < 0) residual = {kInfinity, kInfinity};  // nothing moves it
       continue;
     }
-    const Row row = row_of(c, beside_normal<double>(*contact_, c, z(c)));
+    const Row row = row_of(c, beside_normal(*contact_, c, z(c)));
     offer(row, row.w, z(c), islands_[static_cast<std::size_t>(numbers_.of_contact[contact])]);
     if (lambda >= 0) measure_friction(c, row, z);
   }
@@ -250,8 +257,18 @@ contact_lemke::Residual BodiesTest::complete(Vector& z) {
   return residual;
 }
 
+/// Reach, of the given G*.
+void ContactTest::measure_inverse(Block& block) {
+  block.is_known = true;
+  for (Index i = 0; i < block.order(); ++i) {
+    const double diagonal = (*block.given)(i, i);
+    block.is_known = block.is_known && diagonal >= 0;
+    coordinates_[static_cast<std::size_t>(i)].reach = std::sqrt(diagonal);
+  }
+}
+
 /// L, and reach and root of the block's coordinates.
-void BodiesTest::factor(Block& block) {
+void ContactTest::factor(Block& block) {
   const Index n = block.order();
   const Matrix& given = *block.given;
   double* const L = factors_.data() + block.factor;
@@ -276,7 +293,7 @@ void BodiesTest::factor(Block& block) {
 }
 
 /// L, and the lengths of the columns of its inverse. @returns false where the block is not definite
-bool BodiesTest::factor_by_kernels(const Matrix& given, double* L, double* reach) {
+bool ContactTest::factor_by_kernels(const Matrix& given, double* L, double* reach) {
   const Index n = given.rows();
   const Index stride = n + cholesky::kMargin;
   cholesky::take_lower(given.data(), n, dense_.data(), stride);
@@ -287,7 +304,7 @@ bool BodiesTest::factor_by_kernels(const Matrix& given, double* L, double* reach
 }
 
 /// x := L^-1 x
-void BodiesTest::solve_lower(const Block& block, double* x) const {
+void ContactTest::solve_lower(const Block& block, double* x) const {
   const double* const L = factors_.data() + block.factor;
   const Index n = block.order();
   if (n >= kLargeBlock) return kernels_.solve_lower(L, n, n, x);
@@ -295,14 +312,14 @@ void BodiesTest::solve_lower(const Block& block, double* x) const {
 }
 
 /// x := L'^-1 x
-void BodiesTest::solve_transposed(const Block& block, double* x) const {
+void ContactTest::solve_transposed(const Block& block, double* x) const {
   const double* const L = factors_.data() + block.factor;
   const Index n = block.order();
   if (n >= kLargeBlock) return kernels_.solve_transposed(L, n, n, x);
   lcpbench::solve_transposed(L, n, x);
 }
 
-void BodiesTest::add_impulses(const Vector& z) {
+void ContactTest::add_impulses(const Vector& z) {
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   std::fill(terms_.begin(), terms_.end(), 0.0);
   for (std::size_t k = 0; k < islands_.size(); ++k) {
@@ -319,9 +336,41 @@ void BodiesTest::add_impulses(const Vector& z) {
   }
 }
 
-/// v+ of one block, and how far it may be off. Only what touches the block can put it off, of one island at a time.
-/// @param sums relative rounding of an impulse on a coordinate
-void BodiesTest::respond(const Block& block, double sums) {
+/// exact_: the impulses, in more bits.
+void ContactTest::sum_exactly(const Vector& z) {
+  exact_.assign(impulse_.size(), 0);
+  for (Index j = 0; j < layout_.lambda_offset(); ++j) {
+    if (z(j) == 0) continue;
+    ExactImpulse added{.impulse = z(j), .to = exact_.data()};
+    sum_column(*contact_, j, added);
+  }
+}
+
+/// v+ of one block, and how far it may be off. @param terms_of_sum terms that an impulse on a coordinate sums up
+void ContactTest::respond(const Block& block, double terms_of_sum) {
+  const Index end = block.first + block.order();
+  for (Index i = block.first; i < end; ++i) {
+    const Index island = numbers_.of_coordinate[static_cast<std::size_t>(i)];
+    const double terms = terms_[static_cast<std::size_t>(i)];
+    const bool is_safe = block.is_known && (terms == 0 || terms > kSmallestSafe);
+    if (island >= 0 && !is_safe) islands_[static_cast<std::size_t>(island)].is_known = false;
+  }
+  if (block.is_inverse) {
+    multiply(block, kRoundoff * terms_of_sum);
+  } else {
+    solve(block, kRoundoff * terms_of_sum);
+    if (!exact_.empty() && block.is_known) bound_by_residual(block, terms_of_sum);
+  }
+  const double dots = kRoundoff * static_cast<double>(4 + contact_->ngc());
+  for (Index i = block.first; i < end; ++i) {
+    Coordinate& here = coordinates_[static_cast<std::size_t>(i)];
+    here.bound += dots * (std::abs(here.velocity) + std::abs(v_(i)));
+    here.velocity += v_(i);
+  }
+}
+
+/// G* times the impulses, and its error. Only what touches the block can put it off, of one island at a time.
+void ContactTest::solve(const Block& block, double sums) {
   const auto n = static_cast<std::size_t>(block.order());
   const auto at = static_cast<std::size_t>(block.first);
   double* const x = part_.data();
@@ -339,26 +388,64 @@ void BodiesTest::respond(const Block& block, double sums) {
     Island* const island = island_of(i);
     if (island == nullptr) continue;
     const Coordinate& here = coordinates_[at + i];
-    const double terms = terms_[at + i];
-    island->is_known = island->is_known && block.is_known && (terms == 0 || terms > kSmallestSafe);
-    island->rounded += here.reach * terms;
+    island->rounded += here.reach * terms_[at + i];
     island->lost += here.reach * here.root * static_cast<double>(8 + 4 * n);
     island->moved += here.root * std::abs(x[i]);
   }
-  const double dots = kRoundoff * static_cast<double>(4 + contact_->ngc());
   for (std::size_t i = 0; i < n; ++i) {
     Coordinate& here = coordinates_[at + i];
-    const double v = v_(static_cast<Index>(at + i));
-    here.bound = dots * (std::abs(x[i]) + std::abs(v));
-    if (const Island* const island = island_of(i)) {
-      here.bound += here.reach * (sums * island->rounded + kRoundoff * island->lost * island->moved);
-    }
-    here.velocity = x[i] + v;
+    const Island* const island = island_of(i);
+    here.velocity = x[i];
+    here.bound = island == nullptr ? 0.0
+                                   : here.reach * (sums * island->rounded + kRoundoff * island->lost * island->moved);
   }
 }
 
-template <class Beside>
-BodiesTest::Row BodiesTest::row_of(Index column, const Beside& beside) const {
+/// The same error by what the response c leaves: r = J f - G c, in more bits. c_i is off by no more than reach_i |r|_G*.
+void ContactTest::bound_by_residual(const Block& block, double terms) {
+  constexpr double kLongRoundoff = static_cast<double>(LDBL_EPSILON) / 2;
+  constexpr double kRoom = 1.25;  // for reach and L, which are known to within kTrusted
+  const Index n = block.order(), first = block.first;
+  long double* const left = exact_.data() + first;
+  double impulses = 0, scaled = 0, moved = 0;
+  for (Index j = 0; j < n; ++j) {
+    const Coordinate& here = coordinates_[static_cast<std::size_t>(first + j)];
+    const double* const column = block.given->data() + j * n;
+    for (Index i = 0; i < n; ++i) left[i] -= static_cast<long double>(column[i]) * here.velocity;
+    impulses += here.reach * terms_[static_cast<std::size_t>(first + j)];
+    scaled += here.reach * here.root;
+    moved += here.root * std::abs(here.velocity);
+  }
+  double* const x = part_.data();
+  std::copy_n(left, n, x);
+  solve_lower(block, x);
+  const double own = kLongRoundoff * (static_cast<double>(4 + n) + terms) * (impulses + scaled * moved);
+  const double off = kRoom * (Eigen::Map<const Vector>(x, n).norm() + own);
+  for (Index i = 0; i < n; ++i) {
+    Coordinate& here = coordinates_[static_cast<std::size_t>(first + i)];
+    here.bound = std::min(here.bound, here.reach * off);
+  }
+}
+
+/// The same by the given G*.
+void ContactTest::multiply(const Block& block, double sums) {
+  const Index n = block.order();
+  const double rounding = sums + kRoundoff * static_cast<double>(2 + 2 * n);
+  for (Coordinate& here : coordinates_) here.velocity = here.bound = 0;
+  for (Index j = 0; j < n; ++j) {
+    const double impulse = impulse_[static_cast<std::size_t>(j)];
+    const double terms = rounding * terms_[static_cast<std::size_t>(j)];
+    if (!(terms != 0)) continue;
+    const double* const column = block.given->data() + j * n;
+    for (Index i = 0; i < n; ++i) {
+      Coordinate& here = coordinates_[static_cast<std::size_t>(i)];
+      here.velocity += column[i] * impulse;
+      here.bound += std::abs(column[i]) * terms;
+    }
+  }
+}
+
+ContactTest::Row ContactTest::row_of(Index column, const Beside& beside) const {
   SeenByColumn<Coordinate> seen{.coordinates = coordinates_.data()};
   sum_column(*contact_, column, seen);
   Row row{.column = column,
@@ -371,7 +458,7 @@ BodiesTest::Row BodiesTest::row_of(Index column, const Beside& beside) const {
 }
 
 /// min(M_jj z_j, w) or more, of a row with z_j >= 0.
-void BodiesTest::offer(const Row& row, double w, double z, Island& island) {
+void ContactTest::offer(const Row& row, double w, double z, Island& island) {
   double pressure = row.reach * row.reach * z;
   const auto off = [&](double least) { return least < 0 ? -least : std::min(least, pressure); };
   if (z > 0 && is_too_much(off(w + row.rounding), island)) pressure = diagonal_of(row) * z;
@@ -381,12 +468,12 @@ void BodiesTest::offer(const Row& row, double w, double z, Island& island) {
   if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
 }
 
-void BodiesTest::measure_friction(Index contact, const Row& normal, Vector& z) {
+void ContactTest::measure_friction(Index contact, const Row& normal, Vector& z) {
   const auto c = static_cast<std::size_t>(contact);
   Island& island = islands_[static_cast<std::size_t>(numbers_.of_contact[c])];
   const Index first = layout_.friction_offset() + layout_.friction_begin[c];
   const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
-  const BesideFriction<double> beside(*contact_, layout_, contact, z);
+  const BesideFriction beside(*contact_, layout_, contact, z);
   double& lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
   lambda = 0;
   for (Index t = 0; t < half; ++t) {
@@ -416,7 +503,8 @@ void BodiesTest::measure_friction(Index contact, const Row& normal, Vector& z) {
 
 /// A bound on M_jj of a row that may need one: Row::reach squared is many times as much where its blocks are
 /// ill-conditioned. O(the squares of the orders of the blocks that the row touches)
-double BodiesTest::diagonal_of(const Row& row) {
+double ContactTest::diagonal_of(const Row& row) {
+  if (blocks_.size() == 1 && blocks_.front().is_inverse) return row.reach * row.reach;
   double square = 0;
   const Block* block = nullptr;
   double* const x = part_.data();
