@@ -24,12 +24,10 @@ void ContactResidual::set_velocity(const Vector& v) {
   convex_scales_.clear();
 }
 
-ContactResidual::Point ContactResidual::at(const Vector& z) const {
-  Point point;
-  point.z = numbers(z);
-  point.u = lcp->response(point.z);
-  point.w = lcp->all_rows(point.z, point.u);
-  return point;
+void ContactResidual::take(const Vector& z, Point& point) const {
+  point.z.assign(z.begin(), z.end());
+  lcp->respond(point.z, point.u);
+  lcp->write_rows(point.z, point.u, point.w);
 }
 
 void ContactResidual::complete(Vector& z, Point& point) const {
@@ -44,16 +42,18 @@ const QuadVector& ContactResidual::scales(FrictionModel model) {
   const bool convex = model == FrictionModel::kConvex;
   QuadVector& scales = convex ? convex_scales_ : scales_;
   if (scales.size() == rows_.count()) return scales;
-  QuadVector without(convex ? rows_.count() : 0, 0);
+  without_.assign(convex ? rows_.count() : 0, 0);
   if (convex) {
-    const Point point = at(Vector::Zero(static_cast<Index>(lcp->size())));
-    for_each_row(model, point, [&](Index row, Quad residual) {
-      Quad& largest = without[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
+    rest_.z.assign(lcp->size(), 0);
+    lcp->respond(rest_.z, rest_.u);
+    lcp->write_rows(rest_.z, rest_.u, rest_.w);
+    for_each_row(model, rest_, [&](Index row, Quad residual) {
+      Quad& largest = without_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
       largest = larger(largest, residual);
     });
   }
   for (std::size_t k = 0; k < rows_.count(); ++k) {
-    scales.push_back(convex ? lcp->scale(rows_.rows(k), without[k]) : lcp->scale(rows_.rows(k)));
+    scales.push_back(convex ? lcp->scale(rows_.rows(k), without_[k]) : lcp->scale(rows_.rows(k)));
   }
   return scales;
 }
@@ -68,7 +68,7 @@ Quad ContactResidual::pyramid_row(std::size_t row, const Point& point) {
                                                   : row_residual(z, scaled(lcp->normal_of_cone(row), w)));
 }
 
-ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& point) {
+ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& point, double ignored) {
   largest_.assign(rows_.count(), 0);
   row_of_.assign(rows_.count(), -1);
   for_each_row(model, point, [&](Index row, Quad residual) {
@@ -77,6 +77,9 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
     largest_[island] = residual;
     row_of_[island] = row;
   });
+  for (Quad& largest : largest_) {
+    if (largest <= ignored) largest = 0;
+  }
   Worst worst;
   measure_errors(point);
   bool fails = false;  // whatever the errors are
@@ -111,10 +114,10 @@ void ContactResidual::measure_errors(const Point& point) {
   }
 }
 
-double ContactResidual::rho(const Point& point) {
+double ContactResidual::rho(const Point& point, FrictionModel model, double ignored) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   if (!point.is_finite()) return kUnknown;
-  const Worst worst = this->worst(FrictionModel::kPyramid, point);
+  const Worst worst = this->worst(model, point, ignored);
   return worst.is_resolved ? to_double(worst.relative) : kUnknown;
 }
 

@@ -42,7 +42,13 @@ class ContactResidual {
   void set_velocity(const Vector& v);
 
   /// Not finite where the inertia is unresolved, unless z has no impulses. @pre lcp @param z  finite, of the right length
-  Point at(const Vector& z) const;
+  Point at(const Vector& z) const {
+    Point point;
+    take(z, point);
+    return point;
+  }
+  /// point := at(z), in its memory.
+  void take(const Vector& z, Point& point) const;
   /// The same, in the memory of `point`, of z with the least lambdas that its impulses allow, which are written to it.
   void complete(Vector& z, Point& point) const;
 
@@ -51,10 +57,11 @@ class ContactResidual {
   /// @pre lcp; cone unless the model is the pyramid
   template <class Visit>
   void for_each_row(FrictionModel model, const Point& point, Visit&& visit);
-  Worst worst(FrictionModel model, const Point& point);
+  /// @param ignored  [m/s] islands whose residual is no larger count as solved
+  Worst worst(FrictionModel model, const Point& point, double ignored = 0);
 
-  /// rho by the pyramid; infinity where 113 bits do not tell what G* is, or not well enough.
-  double rho(const Point& point);
+  /// rho; infinity where 113 bits do not tell what G* is, or not well enough.
+  double rho(const Point& point, FrictionModel model = FrictionModel::kPyramid, double ignored = 0);
 
   /// scale_I of each island by the model's conditions: see ContactScale. Computed at the first call for a model.
   const QuadVector& scales(FrictionModel model);
@@ -71,7 +78,8 @@ class ContactResidual {
   RowIslands islands_;
   IslandRows rows_;
   QuadVector scales_, convex_scales_;  // of pyramid and cone; of the convex model
-  QuadVector largest_, errors_;        // by island
+  QuadVector largest_, errors_, without_;  // by island
+  Point rest_;                             // no impulses, where without_ is of the convex model
   std::vector<Index> row_of_;          // the row of largest_
 };
 
