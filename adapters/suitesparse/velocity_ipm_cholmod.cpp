@@ -196,7 +196,7 @@ class VelocityIpmCholmod final : public Solver {
     if (!blocks || contact.nc() == 0) return method_.load(nullptr, contact);
     contact.inertia = *blocks;
     method_.load(sparse_whitened_normals(contact, std::make_unique<CholmodCholesky>(settings_.cholmod)), contact);
-    if (method_.loaded()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
+    if (method_.loaded()) test_.load(problem);
   }
 
   void on_update(const Vector& v) override {

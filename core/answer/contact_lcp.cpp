@@ -34,12 +34,17 @@ bool are_opposite(const Jacobian& J, Index i, Index j) {
 ContactLcp::ContactLcp(const ContactProblem& problem, const RefinedInertia& inertia)
     : problem_(problem),
       inertia_(inertia),
-      v_(problem.v.begin(), problem.v.end()),
       b_(problem.b.begin(), problem.b.end()),
       contacts_(static_cast<std::size_t>(problem.nc())),
       layout_(contact_layout(problem)) {
+  set_velocity(problem.v);
   add_columns();
   if (problem.is_soft()) soften();
+}
+
+void ContactLcp::set_velocity(const Vector& v) {
+  velocity_ = v;
+  v_.assign(v.begin(), v.end());
 }
 
 void ContactLcp::soften() {
@@ -136,7 +141,7 @@ ContactScale<Number> ContactLcp::scale_in(std::span<const std::size_t> rows, std
     const Entries of = entries(row);
     Number velocity = 0, terms = 0;
     for (std::size_t e = 0; e < of.count; ++e) {
-      const Number term = Number{of.values[e]} * problem_.v(static_cast<Index>(of.rows[e]));
+      const Number term = Number{of.values[e]} * velocity_(static_cast<Index>(of.rows[e]));
       velocity += term;
       terms += term < 0 ? -term : term;
     }
@@ -166,8 +171,10 @@ bool ContactLcp::at_rest(const QuadVector& z) const {
                      [](Quad impulse) { return impulse == 0; });
 }
 
-QuadVector ContactLcp::generalized_impulse(const QuadVector& z) const {
-  QuadVector impulse(v_.size(), 0), lost(v_.size(), 0);  // what each sum rounds off is added at the end [Knuth 1998, 4.2.2]
+/// What each sum rounds off is added at the end. [Knuth 1998, 4.2.2]
+void ContactLcp::sum_impulses(const QuadVector& z, QuadVector& impulse) const {
+  impulse.assign(v_.size(), 0);
+  lost_.assign(v_.size(), 0);
   for (std::size_t j = 0; j < impulses(); ++j) {
     if (z[j] == 0) continue;
     const Entries of = entries(j);
@@ -175,14 +182,13 @@ QuadVector ContactLcp::generalized_impulse(const QuadVector& z) const {
     for (std::size_t e = 0; e < of.count; ++e) {
       const std::size_t row = of.rows[e];
       const Quad before = impulse[row], term = of.values[e] * factor, sum = before + term, added = sum - before;
-      lost[row] += (before - (sum - added)) + (term - added);
+      lost_[row] += (before - (sum - added)) + (term - added);
       impulse[row] = sum;
     }
   }
-  for (std::size_t row = 0; row < lost.size(); ++row) {
-    if (is_finite(lost[row])) impulse[row] += lost[row];
+  for (std::size_t row = 0; row < lost_.size(); ++row) {
+    if (is_finite(lost_[row])) impulse[row] += lost_[row];
   }
-  return impulse;
 }
 
 QuadVector ContactLcp::generalized_impulse_scale(const QuadVector& z) const {
@@ -195,16 +201,18 @@ QuadVector ContactLcp::generalized_impulse_scale(const QuadVector& z) const {
   return scale;
 }
 
-QuadVector ContactLcp::response(const QuadVector& z) const {
-  if (at_rest(z)) return v_;
-  QuadVector u = generalized_impulse(z);
+void ContactLcp::respond(const QuadVector& z, QuadVector& u) const {
+  if (at_rest(z)) {
+    u = v_;
+    return;
+  }
+  sum_impulses(z, u);
   inertia_.solve(u);
   for (std::size_t i = 0; i < u.size(); ++i) u[i] += v_[i];
-  return u;
 }
 
 QuadVector ContactLcp::response_error(const QuadVector& z) const {
-  return at_rest(z) ? QuadVector() : inertia_.solve_error(generalized_impulse(z));
+  return at_rest(z) || !inertia_.has_error() ? QuadVector() : inertia_.solve_error(generalized_impulse(z));
 }
 
 Quad ContactLcp::project_magnitudes(std::size_t i, const QuadVector& x) const {
@@ -236,8 +244,22 @@ Quad ContactLcp::cone_row(std::size_t i, const QuadVector& z) const {
   return slack;
 }
 
-QuadVector ContactLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
-  QuadVector w(size());
+void ContactLcp::complete(QuadVector& z, const QuadVector& u) const {
+  for (std::size_t i = impulses(); i < size(); ++i) {
+    const auto contact = static_cast<std::size_t>(layout_.cone_contact[i - impulses()]);
+    Quad largest = 0;
+    for (Index t = layout_.friction_begin[contact]; t < layout_.friction_begin[contact + 1]; ++t) {
+      const std::size_t row = contacts_ + static_cast<std::size_t>(t);
+      if (is_twin(row)) continue;
+      const Quad slip = abs(velocity(row, z, u));
+      if (!(slip <= largest)) largest = slip;
+    }
+    z[i] = to_double(largest);
+  }
+}
+
+void ContactLcp::write_rows(const QuadVector& z, const QuadVector& u, QuadVector& w) const {
+  w.resize(size());
   for (std::size_t i = 0; i < size(); ++i) {
     if (i >= impulses()) {
       w[i] = cone_row(i, z);
@@ -247,7 +269,6 @@ QuadVector ContactLcp::all_rows(const QuadVector& z, const QuadVector& u) const 
   }
   for (std::size_t i = 0; soft_ && i < impulses(); ++i) w[i] += yielding(i, z);
   for (std::size_t i = contacts_; i < impulses(); ++i) w[i] += z[lambda_of(i)];
-  return w;
 }
 
 Quad ContactLcp::diagonal(std::size_t i) {

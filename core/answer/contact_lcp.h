@@ -14,11 +14,15 @@ namespace lcpbench {
 /// The LCP of a contact problem in 113 bits. M is never formed: a point z is carried
 /// with its response, the velocity u = v + G* J f, from which any row of w = M z + q follows. A diagonal entry M_ii =
 /// J_i' G* J_i costs one solve with G. Opposite directions of friction are twins: the columns of J that differ in sign
-/// alone share their entries, and their rows share q_i, J_i'u and M_ii up to that sign.
+/// alone share their entries, and their rows share q_i, J_i'u and M_ii up to that sign. One thread at a time: const
+/// members share scratch.
 class ContactLcp {
  public:
   /// @param problem, inertia  must outlive this object; inertia.well_defined() must hold.
   ContactLcp(const ContactProblem& problem, const RefinedInertia& inertia);
+
+  /// Another velocity before the impact (ngc), in place of that of the problem.
+  void set_velocity(const Vector& v);
 
   std::size_t size() const { return static_cast<std::size_t>(layout_.size()); }
   /// Of a normal or friction row; those of the cone rows are zero.
@@ -29,13 +33,27 @@ class ContactLcp {
   std::size_t offsets() const { return b_.size(); }
 
   /// u = v + G* J f for the impulses f in z. One solve with G; v itself where no impulse acts.
-  QuadVector response(const QuadVector& z) const;
+  QuadVector response(const QuadVector& z) const {
+    QuadVector u;
+    respond(z, u);
+    return u;
+  }
+  /// u := response(z), in the memory of u.
+  void respond(const QuadVector& z, QuadVector& u) const;
   /// How far response() may be off where the inertia has reduced rank: see RefinedInertia::solve_error(). Else empty.
   QuadVector response_error(const QuadVector& z) const;
   /// How far that makes the residual of row i be off, M_ii included. @param off  response_error(z)
   Quad residual_error(std::size_t i, const QuadVector& z, Quad w, const QuadVector& off) const;
   /// w = M z + q. @param u  response(z)
-  QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
+  QuadVector all_rows(const QuadVector& z, const QuadVector& u) const {
+    QuadVector w;
+    write_rows(z, u, w);
+    return w;
+  }
+  /// w := all_rows(z, u), in the memory of w.
+  void write_rows(const QuadVector& z, const QuadVector& u, QuadVector& w) const;
+  /// Sets the lambdas of z to the least doubles that its impulses allow. @param u  response(z)
+  void complete(QuadVector& z, const QuadVector& u) const;
   /// w_i of a normal or friction row without lambda: the velocity along it, with offset and compliance.
   Quad velocity(std::size_t i, const QuadVector& z, const QuadVector& u) const {
     return project(i, u) + offset(i) + (soft_ ? yielding(i, z) : Quad{0});
@@ -61,7 +79,11 @@ class ContactLcp {
   /// Whether every impulse in z is zero.
   bool at_rest(const QuadVector& z) const;
   /// J f for the impulses f in z. Impulses that cancel leave what 113 bits lose of their sum.
-  QuadVector generalized_impulse(const QuadVector& z) const;
+  QuadVector generalized_impulse(const QuadVector& z) const {
+    QuadVector impulse;
+    sum_impulses(z, impulse);
+    return impulse;
+  }
   /// |J| |f|, entry by entry: the scale of rounding in J f.
   QuadVector generalized_impulse_scale(const QuadVector& z) const;
   /// What the residuals of an island are relative to, from its rows. @param without  the residual of no impulses, where
@@ -86,6 +108,8 @@ class ContactLcp {
   /// What the compliance of its contact adds to row i. @pre soft_
   Quad yielding(std::size_t i, const QuadVector& z) const;
   void soften();
+  /// impulse := generalized_impulse(z)
+  void sum_impulses(const QuadVector& z, QuadVector& impulse) const;
   /// @param fastest  the normal row of the largest -q_i
   template <class Number>
   ContactScale<Number> scale_in(std::span<const std::size_t> rows, std::size_t& fastest) const;
@@ -106,7 +130,8 @@ class ContactLcp {
 
   const ContactProblem& problem_;
   const RefinedInertia& inertia_;
-  QuadVector v_;
+  Vector velocity_;  ///< before the impact
+  QuadVector v_;     ///< the same
   QuadVector b_;  ///< of the rows from the first on; beyond its end zero
   std::size_t contacts_ = 0;
   ContactLayout layout_;
@@ -117,6 +142,7 @@ class ContactLcp {
   std::vector<std::size_t> twin_;  ///< the column's own index, or that of an earlier column that is its negative
   std::vector<Index> contact_of_;  ///< of each friction row
   std::vector<std::optional<Quad>> diagonals_;  ///< of the first of twins, where they were asked for
+  mutable QuadVector lost_;
 };
 
 }  // namespace lcpbench

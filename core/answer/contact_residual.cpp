@@ -18,28 +18,42 @@ ContactResidual::ContactResidual(const ContactProblem& contact)
   if (contact.frictional() && why_no_cone(contact).empty()) cone.emplace(contact, *lcp);
 }
 
-ContactResidual::Point ContactResidual::at(const Vector& z) const {
-  Point point;
-  point.z = numbers(z);
-  point.u = lcp->response(point.z);
-  point.w = lcp->all_rows(point.z, point.u);
-  return point;
+void ContactResidual::set_velocity(const Vector& v) {
+  if (lcp) lcp->set_velocity(v);
+  scales_.clear();
+  convex_scales_.clear();
+}
+
+void ContactResidual::take(const Vector& z, Point& point) const {
+  point.z.assign(z.begin(), z.end());
+  lcp->respond(point.z, point.u);
+  lcp->write_rows(point.z, point.u, point.w);
+}
+
+void ContactResidual::complete(Vector& z, Point& point) const {
+  point.z.assign(z.begin(), z.end());
+  lcp->respond(point.z, point.u);
+  lcp->complete(point.z, point.u);
+  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) z(static_cast<Index>(i)) = to_double(point.z[i]);
+  lcp->write_rows(point.z, point.u, point.w);
 }
 
 const QuadVector& ContactResidual::scales(FrictionModel model) {
   const bool convex = model == FrictionModel::kConvex;
   QuadVector& scales = convex ? convex_scales_ : scales_;
   if (scales.size() == rows_.count()) return scales;
-  QuadVector without(convex ? rows_.count() : 0, 0);
+  without_.assign(convex ? rows_.count() : 0, 0);
   if (convex) {
-    const Point point = at(Vector::Zero(static_cast<Index>(lcp->size())));
-    for_each_row(model, point, [&](Index row, Quad residual) {
-      Quad& largest = without[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
+    rest_.z.assign(lcp->size(), 0);
+    lcp->respond(rest_.z, rest_.u);
+    lcp->write_rows(rest_.z, rest_.u, rest_.w);
+    for_each_row(model, rest_, [&](Index row, Quad residual) {
+      Quad& largest = without_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
       largest = larger(largest, residual);
     });
   }
   for (std::size_t k = 0; k < rows_.count(); ++k) {
-    scales.push_back(convex ? lcp->scale(rows_.rows(k), without[k]) : lcp->scale(rows_.rows(k)));
+    scales.push_back(convex ? lcp->scale(rows_.rows(k), without_[k]) : lcp->scale(rows_.rows(k)));
   }
   return scales;
 }
@@ -54,54 +68,56 @@ Quad ContactResidual::pyramid_row(std::size_t row, const Point& point) {
                                                   : row_residual(z, scaled(lcp->normal_of_cone(row), w)));
 }
 
-ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& point) {
-  QuadVector largest(rows_.count(), 0);
-  std::vector<Index> row_of(rows_.count(), -1);
+ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& point, double ignored) {
+  largest_.assign(rows_.count(), 0);
+  row_of_.assign(rows_.count(), -1);
   for_each_row(model, point, [&](Index row, Quad residual) {
     const auto island = static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)]);
-    if (!(residual > largest[island])) return;
-    largest[island] = residual;
-    row_of[island] = row;
+    if (!(residual > largest_[island])) return;
+    largest_[island] = residual;
+    row_of_[island] = row;
   });
+  for (Quad& largest : largest_) {
+    if (largest <= ignored) largest = 0;
+  }
   Worst worst;
-  const QuadVector errors = errors_of_islands(point);
+  measure_errors(point);
   bool fails = false;  // whatever the errors are
-  for (std::size_t island = 0; island < largest.size(); ++island) {
-    const Quad scale = scales(model)[island], relative = quotient(largest[island], scale);
-    const Quad error = errors.empty() ? Quad{0} : errors[island] / scale;
+  for (std::size_t island = 0; island < largest_.size(); ++island) {
+    const Quad scale = scales(model)[island], relative = quotient(largest_[island], scale);
+    const Quad error = errors_.empty() ? Quad{0} : errors_[island] / scale;
     const bool decides_itself = abs(relative - kSolvedVelocityResidual) > error || error == 0;
     worst.is_resolved = worst.is_resolved && error <= kResolvedError && decides_itself;
     fails = fails || relative - error > kSolvedVelocityResidual;
-    if (largest[island] == 0) continue;
-    worst.residual = larger(worst.residual, largest[island]);
+    if (largest_[island] == 0) continue;
+    worst.residual = larger(worst.residual, largest_[island]);
     if (!(relative > worst.relative)) continue;
     worst.relative = relative;
-    worst.row = row_of[island];
-    worst.of_row = largest[island];
+    worst.row = row_of_[island];
+    worst.of_row = largest_[island];
     worst.scale = scale;
   }
   worst.is_resolved = worst.is_resolved || fails;
   return worst;
 }
 
-/// How far the residual of each island may be off where the inertia has reduced rank; else empty. That of a round cone
-/// or of the convex model adds up those of its three rows, each by the M of another.
-QuadVector ContactResidual::errors_of_islands(const Point& point) {
+/// errors_: how far the residual of each island may be off where the inertia has reduced rank; else empty. That of a
+/// round cone or of the convex model adds up those of its three rows, each by the M of another.
+void ContactResidual::measure_errors(const Point& point) {
   const QuadVector off = lcp->response_error(point.z);
-  QuadVector errors(off.empty() ? 0 : rows_.count(), 0);
-  for (std::size_t island = 0; island < errors.size(); ++island) {
+  errors_.assign(off.empty() ? 0 : rows_.count(), 0);
+  for (std::size_t island = 0; island < errors_.size(); ++island) {
     for (const std::size_t row : rows_.rows(island)) {
-      errors[island] = larger_or_infinity(errors[island], lcp->residual_error(row, point.z, point.w[row], off));
+      errors_[island] = larger_or_infinity(errors_[island], lcp->residual_error(row, point.z, point.w[row], off));
     }
-    if (cone) errors[island] *= 4;
+    if (cone) errors_[island] *= 4;
   }
-  return errors;
 }
 
-double ContactResidual::rho(const Point& point) {
+double ContactResidual::rho(const Point& point, FrictionModel model, double ignored) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   if (!point.is_finite()) return kUnknown;
-  const Worst worst = this->worst(FrictionModel::kPyramid, point);
+  const Worst worst = this->worst(model, point, ignored);
   return worst.is_resolved ? to_double(worst.relative) : kUnknown;
 }
 

@@ -38,18 +38,30 @@ class ContactResidual {
   /// @param contact  finite, must outlive this object
   explicit ContactResidual(const ContactProblem& contact);
 
+  /// Another velocity before the impact (ngc), in place of that of the problem.
+  void set_velocity(const Vector& v);
+
   /// Not finite where the inertia is unresolved, unless z has no impulses. @pre lcp @param z  finite, of the right length
-  Point at(const Vector& z) const;
+  Point at(const Vector& z) const {
+    Point point;
+    take(z, point);
+    return point;
+  }
+  /// point := at(z), in its memory.
+  void take(const Vector& z, Point& point) const;
+  /// The same, in the memory of `point`, of z with the least lambdas that its impulses allow, which are written to it.
+  void complete(Vector& z, Point& point) const;
 
   /// The residual of each row that the model has: of the pyramid all, else the normal rows, and in place of each cone
   /// row the residual of the cone. Of the convex model a contact with friction has no normal row.
   /// @pre lcp; cone unless the model is the pyramid
   template <class Visit>
   void for_each_row(FrictionModel model, const Point& point, Visit&& visit);
-  Worst worst(FrictionModel model, const Point& point);
+  /// @param ignored  [m/s] islands whose residual is no larger count as solved
+  Worst worst(FrictionModel model, const Point& point, double ignored = 0);
 
-  /// rho by the pyramid; infinity where 113 bits do not tell what G* is, or not well enough.
-  double rho(const Point& point);
+  /// rho; infinity where 113 bits do not tell what G* is, or not well enough.
+  double rho(const Point& point, FrictionModel model = FrictionModel::kPyramid, double ignored = 0);
 
   /// scale_I of each island by the model's conditions: see ContactScale. Computed at the first call for a model.
   const QuadVector& scales(FrictionModel model);
@@ -61,11 +73,14 @@ class ContactResidual {
 
  private:
   Quad pyramid_row(std::size_t row, const Point& point);
-  QuadVector errors_of_islands(const Point& point);
+  void measure_errors(const Point& point);
 
   RowIslands islands_;
   IslandRows rows_;
   QuadVector scales_, convex_scales_;  // of pyramid and cone; of the convex model
+  QuadVector largest_, errors_, without_;  // by island
+  Point rest_;                             // no impulses, where without_ is of the convex model
+  std::vector<Index> row_of_;          // the row of largest_
 };
 
 template <class Visit>

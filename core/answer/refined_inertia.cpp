@@ -210,11 +210,11 @@ void RefinedInertia::solve(QuadVector& x) const {
     return;
   }
   if (!precise_) {
-    QuadVector y = x;
+    solved_ = x;
     const bool solved =
-        std::all_of(blocks_.begin(), blocks_.end(), [&](const Block& block) { return refine(block, y); });
+        std::all_of(blocks_.begin(), blocks_.end(), [&](const Block& block) { return refine(block, solved_); });
     if (solved) {
-      x = std::move(y);
+      x.swap(solved_);
       return;
     }
     make_precise();

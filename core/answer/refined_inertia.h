@@ -57,9 +57,8 @@ class RefinedInertia {
     return precise_ ? precise_->outside_range(x) : QuadVector(x.size(), 0);
   }
   /// How far solve() may be off, entry by entry: see QuadInertia. Empty: by no more than 113 bits round.
-  QuadVector solve_error(const QuadVector& x) const {
-    return precise_ && precise_->has_reduced_rank() ? precise_->solve_error(x) : QuadVector();
-  }
+  QuadVector solve_error(const QuadVector& x) const { return has_error() ? precise_->solve_error(x) : QuadVector(); }
+  bool has_error() const { return precise_ && precise_->has_reduced_rank(); }
   /// Whether double has the range for products with the inertia.
   bool is_moderate() const { return !precise_; }
 
@@ -98,7 +97,7 @@ class RefinedInertia {
   Columns U_;                          ///< U D U' is the scaled block; the columns of a block from the last one on
   std::vector<double> pivots_;         ///< D, in the order of U_
   mutable std::optional<QuadInertia> precise_;
-  mutable QuadVector solution_, residual_, wide_;   ///< wide_: zeros, but for pattern_ where precise_ is there
+  mutable QuadVector solved_, solution_, residual_, wide_;   ///< wide_: zeros, but for pattern_ where precise_ is there
   mutable std::vector<double> correction_, rough_;  ///< rough_: zeros but for pattern_
   mutable std::vector<std::size_t> pattern_, touched_;
 };

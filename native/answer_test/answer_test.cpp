@@ -6,7 +6,6 @@
 #include <variant>
 
 #include "core/entries.h"
-#include "core/quad.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
@@ -19,29 +18,45 @@ constexpr Index kLargestAsked = 600;
 /// About what the unit of AnswerTest::work_in_quad() takes.
 constexpr double kSecondsPerMultiplication = 2e-10;
 
+/// Of 113 bits, fitted to times of piles, walls and blocks of 2 to 20 coordinates, in that unit: for each entry of
+/// [N D], for each coordinate, and for the cube of each block's order.
+constexpr double kWorkOfEntry = 560, kWorkOfCoordinate = 6000, kWorkOfCube = 100;
+
+Index nonzeros(const Matrix& J) { return (J.array() != 0).count(); }
+Index nonzeros(const SparseMatrix& J) { return J.nonZeros(); }
+
+double work_in_quad_of(const ContactProblem& contact) {
+  const auto cube = [](Index order) { return kWorkOfCube * static_cast<double>(order * order * order); };
+  const auto* const bodies = std::get_if<BlockInertia>(&contact.inertia);
+  double work = kWorkOfCoordinate * static_cast<double>(contact.ngc()) + (bodies == nullptr ? cube(contact.ngc()) : 0);
+  for (std::size_t k = 0; bodies != nullptr && k < bodies->blocks.size(); ++k) work += cube(bodies->blocks[k].rows());
+  for (const Jacobian* J : {&contact.N, &contact.D}) {
+    const Index entries = std::visit([](const auto& matrix) { return nonzeros(matrix); }, *J);
+    work += kWorkOfEntry * static_cast<double>(entries);
+  }
+  return work;
+}
+
 }  // namespace
 
-AnswerTest::AnswerTest()
-    : judge_(make_contact_lemke_engine(isa_level())), quad_judge_(contact_lemke::quad::create_engine()) {}
+AnswerTest::AnswerTest() : judge_(make_contact_lemke_engine(isa_level())) {}
 
-void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers* numbers) {
+void AnswerTest::load(const Problem& problem, const IslandNumbers* numbers) {
   completed_.resize(problem.size());
   bare_ = problem.contact() == nullptr;
-  by_bodies_ =
-      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
   may_be_unsolvable_ = is_singular_ = false;
+  exact_.reset();
   contact_ = problem.contact();
-  impulses_ = bare_ ? 0 : contact_->nc() + cols(contact_->D);
   if (bare_) return bare_test_.load(problem.lcp());
   const ContactProblem& contact = *contact_;
-  quad_is_loaded_ = false;
-  may_be_unsolvable_ = may_be_unsolvable(contact) && !(by_bodies_ && contact.ngc() > kLargestAsked);
-  if (by_bodies_) {
-    bodies_test_.load(contact, numbers);
-  } else {
+  by_blocks_ = std::holds_alternative<BlockInertia>(contact.inertia);
+  by_factors_ = std::holds_alternative<FactoredInertia>(contact.inertia);
+  may_be_unsolvable_ = may_be_unsolvable(contact) && !(by_blocks_ && contact.ngc() > kLargestAsked);
+  if (by_factors_) {
     contacts_.load(contact);
-    quad_judge_->reserve(contacts_.input);
     judge_->load(contacts_.input);
+  } else {
+    contact_test_.load(contact, numbers);
   }
   doubtful_.load(contact);
   is_singular_ = doubtful_.may_be_singular();
@@ -52,10 +67,10 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
 
 void AnswerTest::set_velocity(const Vector& v) {
   velocity_ = v;
-  if (by_bodies_) return bodies_test_.set_velocity(v);
+  if (exact_) exact_->set_velocity(v);
+  if (!by_factors_) return contact_test_.set_velocity(v);
   contacts_.set_velocity(v);
   judge_->set_velocity(contacts_.v.data());
-  if (quad_is_loaded_) quad_judge_->set_velocity(contacts_.v.data());
 }
 
 bool AnswerTest::settle(Answer& answer, double deadline_s) {
@@ -112,15 +127,15 @@ bool AnswerTest::solves(const Vector& z) {
   completed_ = z.cwiseMax(0.0);
   if (bare_) return (backward_error_ = bare_test_.backward_error(completed_)) <= kClaimedBackwardError;
   release();
-  return by_bodies_ ? solves_bodies() : solves_contacts();
+  return solves_contacts();
 }
 
 /// Of contacts: sets the normal impulses to zero where no contact of the island approaches, which no impulses then
 /// solve exactly, and friction impulses where no contact presses. Interior-point methods leave small impulses there.
 /// Contacts without entries that do not yield along their normal are in no island: their impulses become zero, too.
 void AnswerTest::release() {
-  const bool has_islands = by_bodies_ || contacts_.input.island_of_contact != nullptr;
-  const IslandNumbers& islands = by_bodies_ ? bodies_test_.islands() : contacts_.islands;
+  const bool has_islands = !by_factors_ || contacts_.input.island_of_contact != nullptr;
+  const IslandNumbers& islands = by_factors_ ? contacts_.islands : contact_test_.islands();
   const auto island_of = [&](Index c) { return has_islands ? islands.of_contact[static_cast<std::size_t>(c)] : 0; };
   moves_.assign(static_cast<std::size_t>(has_islands ? islands.count : 1), 0);
   for (Index c = 0; c < contact_->nc(); ++c) {
@@ -140,39 +155,41 @@ void AnswerTest::release() {
   }
 }
 
-bool AnswerTest::solves_bodies() {
-  if (bodies_test_.complete_in_double(completed_).certain <= std::max(kClaimedResidual, allowed_)) return true;
-  const double allowed = std::max(kClaimedQuadResidual, allowed_);
-  if (bodies_test_.least() > allowed) return false;
-  const double work = bodies_test_.work_in_quad();
-  if (!has_time_for(kSecondsPerMultiplication * work)) return false;
-  work_in_quad_ += work;
-  return bodies_test_.complete_in_quad(completed_).certain <= allowed;
-}
-
 bool AnswerTest::solves_contacts() {
-  const contact_lemke::Residual residual = judge_->complete(completed_.data());
+  const contact_lemke::Residual residual =
+      by_factors_ ? judge_->complete(completed_.data()) : contact_test_.complete(completed_);
   residual_ = residual.velocity;
-  if (residual.certain <= kClaimedResidual) return true;
-  return has_time_for_quad() && complete_in_quad().certain <= kClaimedQuadResidual;
+  // By factors, velocity + rounding <= certain in the worst row.
+  least_ = by_factors_ ? 2 * residual.velocity - residual.certain : contact_test_.least();
+  const double allowed = by_blocks_ ? allowed_ : 0;
+  if (residual.certain <= std::max(kClaimedResidual, allowed)) return true;
+  if (least_ > std::max(kClaimedQuadResidual, allowed)) return false;
+  return measure_in_quad() && residual_ <= std::max(kClaimedQuadResidual, allowed);
 }
 
-/// Of contacts that are tested together. Sets the lambdas of completed_, and residual_.
-contact_lemke::Residual AnswerTest::complete_in_quad() {
-  constexpr double kPrice = 168;  // of a multiplication in 113 bits
-  const auto ngc = static_cast<double>(contacts_.input.ngc);
-  const auto impulses = static_cast<double>(impulses_);
-  work_in_quad_ += kPrice * ngc * ((quad_is_loaded_ ? 0 : 2 * ngc * ngc) + 12 * (ngc + impulses));
-  const contact_lemke::Residual residual = quad_judge().complete(completed_.data());
-  residual_ = residual.velocity;
-  return residual;
+/// Sets the lambdas of completed_, and residual_. @returns false where there is no time for that
+bool AnswerTest::measure_in_quad() {
+  const double work = work_in_quad_of(*contact_);
+  const bool has_time = std::isinf(deadline_s_) || wall_clock_s() + kSecondsPerMultiplication * work < deadline_s_;
+  lacks_time_ = lacks_time_ || !has_time;
+  if (!has_time) return false;
+  work_in_quad_ += work;
+  if (!exact_) {
+    exact_.emplace(*contact_);
+    exact_->set_velocity(velocity_);
+  }
+  residual_ = least_ = std::numeric_limits<double>::infinity();
+  if (!exact_->lcp) return true;
+  exact_->complete(completed_, point_);
+  residual_ = least_ = exact_->rho(point_);
+  return true;
 }
 
 /// Whether the problem that completed_ seems to solve has a solution.
 AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
   if (bare_) return bare_test_.disproves(completed_, deadline_s) ? Outcome::kUnsolvable : Outcome::kSolved;
   if (!is_singular_) return Outcome::kSolved;
-  if (residual_ > kSureResidual && has_time_for_quad()) complete_in_quad();
+  if (residual_ > kSureResidual && !(least_ > kSureResidual)) measure_in_quad();
   if (residual_ <= kSureResidual) return Outcome::kSolved;
   if (is_disproved(deadline_s)) return Outcome::kUnsolvable;
   return wall_clock_s() < deadline_s ? Outcome::kUnconfirmed : Outcome::kOutOfTime;
@@ -181,27 +198,6 @@ AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
 /// Of contacts: whether they are proven to have no solution.
 bool AnswerTest::is_disproved(double deadline_s) {
   return may_be_unsolvable_ && farkas_.proves_unsolvable(velocity_, deadline_s);
-}
-
-/// Whether contacts that are tested together can be loaded in 113 bits before the deadline.
-bool AnswerTest::has_time_for_quad() {
-  if (quad_is_loaded_) return true;
-  constexpr double kSecondsPerEntry = 5e-8;
-  const auto ngc = static_cast<double>(contact_->ngc());
-  return has_time_for(kSecondsPerEntry * ngc * (ngc * ngc + 2 * static_cast<double>(impulses_)));
-}
-
-/// Whether so many seconds, on a processor like those of today, end before the deadline; if not, notes it.
-bool AnswerTest::has_time_for(double seconds) {
-  const bool has_time = std::isinf(deadline_s_) || wall_clock_s() + seconds < deadline_s_;
-  lacks_time_ = lacks_time_ || !has_time;
-  return has_time;
-}
-
-contact_lemke::Engine& AnswerTest::quad_judge() {
-  if (!quad_is_loaded_) quad_judge_->load(contacts_.input);
-  quad_is_loaded_ = true;
-  return *quad_judge_;
 }
 
 }  // namespace lcpbench

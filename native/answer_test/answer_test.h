@@ -1,13 +1,15 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "core/answer/contact_residual.h"
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/active_set/contact_farkas.h"
 #include "native/answer_test/bare_lcp_test.h"
-#include "native/answer_test/bodies_test.h"
+#include "native/answer_test/contact_test.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/contact_input.h"
 #include "native/proofs/doubtful_inertia.h"
@@ -22,21 +24,17 @@ inline constexpr double kClaimedQuadResidual = 0.999e-4;
 /// and its exact solution may be none of the contacts'.
 class AnswerTest {
  public:
-  /// How contacts between separate bodies (BlockInertia) are tested: with dense matrices over all bodies, or, for
-  /// methods that never form such, body by body.
-  enum class Bodies { kTogether, kOneByOne };
-
   AnswerTest();
 
-  /// O(ngc^3), of bodies one by one O(nonzeros), of bare LCPs O(n^2).
+  /// Of contacts O(nonzeros), by factors O(ngc^3), of bare LCPs O(n^2).
   /// @param problem must stay as it is until the next load
   /// @param numbers of the problem's islands, where they are known
-  void load(const Problem& problem, Bodies bodies = Bodies::kTogether, const IslandNumbers* numbers = nullptr);
+  void load(const Problem& problem, const IslandNumbers* numbers = nullptr);
 
   /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
   void set_velocity(const Vector& v);
 
-  /// Bodies that are tested one by one may leave this velocity residual from now on, even if the verdict allows less;
+  /// Contacts between separate bodies (BlockInertia) may leave this velocity residual from now on, even if the verdict allows less;
   /// not where there may be no solution.
   void allow(double residual) { allowed_ = residual; }
 
@@ -46,8 +44,9 @@ class AnswerTest {
   /// kNumericalFailure (`detail` "residual" or "unconfirmed"), kTimeLimit where the deadline came first, or kUnsolvable where `farkas`
   /// shows that there is no solution: of bare LCPs exactly, of contacts in 113 bits. Of contact problems the velocity
   /// residual with its estimated rounding has to be within kClaimedResidual of the scale in double, or within what the
-  /// verdict allows in 113 bits; of bare LCPs the backward error within kClaimedBackwardError. O(ngc n); in 113 bits,
-  /// where double is in doubt, O(ngc^3). Only a proof for contacts allocates. A velocity is not tested.
+  /// verdict allows by ContactResidual; of bare LCPs the backward error within kClaimedBackwardError. O(ngc n), with
+  /// the cubes of the orders of the blocks of G the first time. Only a proof for contacts allocates, and the first test
+  /// by ContactResidual. A velocity is not tested.
   ///
   /// With singular inertia contacts may miss a solution by little: there the residual has to be at most kSureResidual.
   /// An answer with more is "unconfirmed", unless the problem is proven to have no solution (ContactFarkas).
@@ -73,32 +72,29 @@ class AnswerTest {
   bool solves(const Vector& z);
   void release();
   bool solves_contacts();
-  contact_lemke::Residual complete_in_quad();
-  bool solves_bodies();
-  bool has_time_for_quad();
-  bool has_time_for(double seconds);
+  bool measure_in_quad();
   Outcome confirm(double deadline_s);
   bool is_disproved(double deadline_s);
   void report_proof(Answer& answer);
-  contact_lemke::Engine& quad_judge();
 
-  std::unique_ptr<contact_lemke::Engine> judge_, quad_judge_;
+  std::unique_ptr<contact_lemke::Engine> judge_;  // of inertia by factors, as is contacts_
   ContactInput contacts_;
   BareLcpTest bare_test_;
-  BodiesTest bodies_test_;
+  ContactTest contact_test_;              // of other contacts
+  std::optional<ContactResidual> exact_;  // once double was in doubt
+  ContactResidual::Point point_;          // of completed_, by exact_
   DoubtfulInertia doubtful_;
   const ContactProblem* contact_ = nullptr;  // nullptr: bare
-  bool by_bodies_ = false;
+  bool by_blocks_ = false, by_factors_ = false;  // how the inertia is given
   bool bare_ = true;
-  Index impulses_ = 0;  // of contacts: the entries of z that move anything
-  bool quad_is_loaded_ = false;
   bool may_be_unsolvable_ = false;  // the inertia of contacts may be singular, or their offset asks for too much
   bool is_singular_ = false;        // for all that double tells
   ContactFarkas farkas_;
   double deadline_s_ = 0;    // of settle()
   bool lacks_time_ = false;  // for a test in 113 bits, of settle()
   double work_in_quad_ = 0;
-  double residual_ = 0;  // of completed_, of dense contacts
+  double residual_ = 0;  // of completed_, of contacts
+  double least_ = 0;     // a lower bound on residual_ but for rounding: more bits cannot make it less
   double allowed_ = 0;
   double backward_error_ = 0;
   Vector velocity_;          // v of contacts

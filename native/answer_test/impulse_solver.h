@@ -24,7 +24,7 @@ class ImpulseSolver : public Base {
 
   /// @pre state_ is loaded
   void load_test(const Problem& problem) {
-    test_.load(problem, AnswerTest::Bodies::kOneByOne, &state_.units.numbers());
+    test_.load(problem, &state_.units.numbers());
   }
 
   /// Where no contact approaches in double (of a bare LCP q is 0), so that no impulses are the solution: claims z = 0 if

@@ -103,7 +103,7 @@ bool EvenImpulses::prepare() {
   BlockInertia added;
   for (const double each : diagonal_) added.blocks.push_back(Matrix::Constant(1, 1, each));
   matrix_.load(added, rows_);
-  test_.load(*problem_, AnswerTest::Bodies::kOneByOne, &state_.units.numbers());
+  test_.load(*problem_, &state_.units.numbers());
   set_velocity(v_);
   return true;
 }

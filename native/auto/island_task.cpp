@@ -45,7 +45,7 @@ bool IslandTask::disproves(Answer& answer) {
 }
 
 AnswerTest& IslandTask::loaded_test() {
-  if (!has_test_) test_.load(*problem, AnswerTest::Bodies::kOneByOne);
+  if (!has_test_) test_.load(*problem);
   has_test_ = true;
   test_.set_velocity(v);
   test_.allow(aim_of(limits.error));

@@ -200,7 +200,7 @@ bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, 
   if (!has_test_) {
     const bool is_one = !contact_->has_offset();  // else contacts that nothing moves count for themselves
     if (is_one) islands_.take_as_one(*contact_);
-    test_.load(*problem_, AnswerTest::Bodies::kOneByOne, is_one ? &islands_ : nullptr);
+    test_.load(*problem_, is_one ? &islands_ : nullptr);
     test_.set_velocity(v_);
     has_test_ = true;
   }

@@ -3,15 +3,16 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/answer/contact_residual.h"
 #include "core/registry.h"
 #include "core/round_cone.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
 #include "native/cone_ipm/cone_island.h"
-#include "native/cone_ipm/cone_test.h"
 #include "native/contacts/problem_cutter.h"
 
 namespace lcpbench {
@@ -58,7 +59,7 @@ struct ConeIpmSettings {
 /// Solves contacts with the round Coulomb cone, island by island, by ConeIsland.
 ///
 /// kSolved: the residual of the cone's conditions, recomputed from the impulses in double, is within accept_residual on
-/// every island, and AnswerTest has passed too, or with friction or compliance ConeTest. That the iteration converges
+/// every island, and AnswerTest has passed too, or with friction or compliance ContactResidual. That the iteration converges
 /// is not proven with friction.
 class ConeIpm final : public Solver {
  public:
@@ -92,7 +93,8 @@ class ConeIpm final : public Solver {
   bool islands_are_loaded_ = false;       // parts_ are there
   bool idle_contact_penetrates_ = false;  // a contact that moves nothing, of a negative offset
   AnswerTest test_;                       // of hard contacts without friction
-  ConeTest cone_test_;                    // of others
+  std::optional<ContactResidual> exact_;  // of others
+  ContactResidual::Point point_;          // by exact_
 };
 
 void ConeIpm::on_load(const Problem& problem) {
@@ -100,12 +102,13 @@ void ConeIpm::on_load(const Problem& problem) {
   parts_.clear();
   refusal_.clear();
   islands_are_loaded_ = false;
+  exact_.reset();
   idle_contact_penetrates_ = false;
   if (contact.frictional()) refusal_ = why_no_round_cone(contact);
   if (!refusal_.empty()) return;
   layout_ = contact_layout(contact);
   v_ = contact.v;
-  if (!by_cone()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  if (!by_cone()) test_.load(problem);
   if (approaches()) load_islands(problem);
 }
 
@@ -121,7 +124,13 @@ bool ConeIpm::approaches() const {
 
 void ConeIpm::load_islands(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (by_cone()) cone_test_.load(contact, settings_.convex());
+  if (by_cone()) {
+    exact_.emplace(contact).set_velocity(v_);
+    if (exact_->lcp) {  // the first test takes all memory, and finds M_ii
+      exact_->take(Vector::Ones(layout_.size()), point_);
+      exact_->rho(point_, settings_.friction_model());
+    }
+  }
   ProblemCutter cutter;
   cutter.load(problem);
   std::vector<char> moves(static_cast<std::size_t>(layout_.nc), 0);
@@ -156,6 +165,7 @@ void ConeIpm::on_update(const Vector& v) {
   v_ = v;
   for (const auto& part : parts_) take_velocity(*part);
   if (!by_cone()) test_.set_velocity(v);
+  if (exact_) exact_->set_velocity(v);
   if (!islands_are_loaded_ && approaches()) load_islands(problem());
 }
 
@@ -165,7 +175,7 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   part.method.start();
   // Without friction AnswerTest asks for the accuracy of all native solvers.
   const double allowed = by_cone() ? settings_.error / part.method.speed() : 0.0;
-  // Neither AnswerTest nor ConeTest passes more than kClaimedResidual.
+  // Neither test passes more than kClaimedResidual.
   const double tolerance = std::max(std::min(settings_.tolerance, kClaimedResidual / 2), allowed);
   const double accepted = std::max(settings_.accept_residual, tolerance);
   const ConeLimits limits{.tolerance = tolerance,
@@ -235,9 +245,14 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
   if (!by_cone()) {
     test_.settle(answer, deadline_s);
   } else if (islands_are_loaded_) {
-    const double residual = cone_test_.residual(v_, answer.z, settings_.error);
-    if (!(residual <= kClaimedResidual)) answer.claim = Claim::kNumericalFailure;
-    cone_test_.take_velocity(answer.velocity);
+    if (exact_->lcp && answer.z.allFinite()) {
+      exact_->take(answer.z, point_);
+      for (Index i = 0; i < answer.velocity.size(); ++i) {
+        answer.velocity(i) = to_double(point_.u[static_cast<std::size_t>(i)]);
+      }
+      if (exact_->rho(point_, settings_.friction_model(), settings_.error) <= kClaimedResidual) return;
+    }
+    answer.claim = Claim::kNumericalFailure;
   }
 }
 

@@ -7,8 +7,6 @@
 #include <limits>
 #include <variant>
 
-#include "native/answer_test/small_blocks.h"
-
 namespace lcpbench {
 namespace {
 
@@ -52,6 +50,14 @@ bool factor_block(const Matrix& block, double* L) {
     for (Index i = j; i < n; ++i) L[j * n + i] /= std::sqrt(pivot);
   }
   return true;
+}
+
+/// x := L^-1 x
+void solve_lower(const double* L, Index n, double* x) {
+  for (Index i = 0; i < n; ++i) {
+    x[i] /= L[i * n + i];
+    for (Index k = i + 1; k < n; ++k) x[k] -= L[i * n + k] * x[i];
+  }
 }
 
 }  // namespace
@@ -111,7 +117,7 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
     add_values(state.columns.J, contact, block, values_, [this](Index first, double* part) {
       if (bodies_.empty()) return;
       const Body& body = bodies_[body_of_[static_cast<std::size_t>(first)]];
-      solve_lower<0>(roots_.data() + body.root, static_cast<std::size_t>(body.size), part);
+      solve_lower(roots_.data() + body.root, body.size, part);
     });
     if (bodies_.empty()) add_responses(state, inverse, contact, block);
     const bool is_general = block.run_size != kBody && block.run_size != kPoint;

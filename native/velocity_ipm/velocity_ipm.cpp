@@ -74,7 +74,7 @@ void VelocityIpm::on_load(const Problem& problem) {
                contact);
   if (!method_.loaded()) return;
   if (!ends_with_active_set()) {
-    return test_.load(problem, is_sparse_ ? AnswerTest::Bodies::kOneByOne : AnswerTest::Bodies::kTogether);
+    return test_.load(problem);
   }
   active_set_.load(problem);
   pressed_.resize(contact.nc());
