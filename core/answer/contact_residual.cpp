@@ -68,15 +68,36 @@ Quad ContactResidual::pyramid_row(std::size_t row, const Point& point) {
                                                   : row_residual(z, scaled(lcp->normal_of_cone(row), w)));
 }
 
-ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& point, double ignored) {
+/// largest_ and row_of_, the first of equal rows. Of the pyramid the rows without M_ii come first: others, of which
+/// |min(M_ii z_i, w_i)| <= w_i, need M_ii only where w_i is larger than the largest residual.
+void ContactResidual::find_largest(FrictionModel model, const Point& point) {
   largest_.assign(rows_.count(), 0);
   row_of_.assign(rows_.count(), -1);
-  for_each_row(model, point, [&](Index row, Quad residual) {
-    const auto island = static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)]);
-    if (!(residual > largest_[island])) return;
-    largest_[island] = residual;
-    row_of_[island] = row;
-  });
+  const auto island = [this](Index row) {
+    return static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)]);
+  };
+  const auto note = [&](Index row, Quad residual) {
+    Quad& largest = largest_[island(row)];
+    Index& row_of = row_of_[island(row)];
+    if (!(residual > largest || (residual == largest && row < row_of))) return;
+    largest = residual;
+    row_of = row;
+  };
+  if (model != FrictionModel::kPyramid) return for_each_row(model, point, note);
+  for (const bool with_diagonal : {false, true}) {
+    for (std::size_t row = 0; row < lcp->size(); ++row) {
+      const auto index = static_cast<Index>(row);
+      const Quad upper_bound = row < lcp->impulses() ? point.w[row] : point.z[row];
+      const Quad factor = row < lcp->impulses() ? point.z[row] : point.w[row];  // of M_ii
+      const bool needs_diagonal = factor > 0 && upper_bound > 0;
+      if (needs_diagonal != with_diagonal || (needs_diagonal && upper_bound < largest_[island(index)])) continue;
+      note(index, pyramid_row(row, point));
+    }
+  }
+}
+
+ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& point, double ignored) {
+  find_largest(model, point);
   for (Quad& largest : largest_) {
     if (largest <= ignored) largest = 0;
   }

@@ -73,6 +73,7 @@ class ContactResidual {
 
  private:
   Quad pyramid_row(std::size_t row, const Point& point);
+  void find_largest(FrictionModel model, const Point& point);
   void measure_errors(const Point& point);
 
   RowIslands islands_;

@@ -149,7 +149,10 @@ bool IslandRest::slips(const Answer& answer) {
 
 /// Whether contacts, of which some slip in the answer, are proven not to rest all, or no rest was found before.
 bool IslandRest::is_refuted(const Answer& answer) {
-  if (knows_no_rest_ || task_.answered_by == AutoMethod::kFrictionIpm) return true;
+  // friction_ipm solves the convex problem first, unless its turn ends before.
+  constexpr AutoMethod kConvex = AutoMethod::kFrictionIpm;
+  const bool has_convex = task_.answered_by == kConvex && task_.progress_of(kConvex) == IslandTask::Progress::kEnded;
+  if (knows_no_rest_ || has_convex) return true;
   if (!Rest::takes(task_.contact()) || !loaded_rest().is_possible()) return true;
   find_velocity(answer);
   return rest_.is_refuted(u_);

@@ -122,7 +122,7 @@ TEST(ActiveSetTest, LeavesToAutoWhatItCannotSolveInDouble) {
   EXPECT_EQ(solve(problem).claim, Claim::kNumericalFailure);
   const Answer answer = testing::solve(Spec{"auto", {}}, problem);
   EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-5);
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
 }
 
 // As many active contacts as coordinates leave v+ = 0, where the others rest too; rounding says that one of them is
