@@ -247,7 +247,7 @@ class Projection final : public Engine {
     return pressed;
   }
 
-  VelocityTest<double>::Answer answer(const double* velocity, const double* whitened_change) {
+  VelocityTest::Answer answer(const double* velocity, const double* whitened_change) {
     return {.v = v_.data(),
             .given = given_.data(),
             .scale = scale_,
@@ -272,7 +272,7 @@ class Projection final : public Engine {
   DualMethod method_{whitening_};
   YieldingContacts yielding_{whitening_};
   YieldingFriction friction_{whitening_};
-  VelocityTest<double> test_{whitening_};
+  VelocityTest test_{whitening_};
   bool usable_ = false;
   const double* b_ = nullptr;   // nullptr: zero
   const double* mu_ = nullptr;  // nullptr: no friction

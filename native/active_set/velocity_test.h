@@ -13,12 +13,12 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// with E within backward_error(). Then x is off by G^-1 E x, of which contact j sees at most |W_j| |A^-1|^(1/2) |E x|,
 /// A and E scaled to unit diagonal of G. The bounds, in this order:
 ///   1. |A^-1| is bounded by what loading G leaves (Whitening::condition()).
-///   2. In double, of one island: the residual r = N z - G x is formed in more bits. x is off by G^-1 r, of which a
+///   2. Of one island: the residual r = N z - G x is formed in more bits. x is off by G^-1 r, of which a
 ///      contact sees at most |W_j| |r|_G*, here with the longest normal.
 ///   3. |A^-1| is bounded by the trace of the inverse (Whitening::sharpen_condition()).
-///   4. In double: r again, of all islands, with the normal of each contact.
-template <class Scalar>
+///   4. r again, of all islands, with the normal of each contact.
 class VelocityTest {
+  using Scalar = double;
   using L = Lanes<Scalar>;
 
  public:
@@ -59,14 +59,10 @@ class VelocityTest {
     is_off_known_ = is_far_from_underflow_ = false;
     const bool has_residual = this->has_residual(answer);
     const bool needs_residual = has_residual && exceeds_bound(answer, limit);
-    if constexpr (kHasMoreBits) {
-      if (needs_residual && passes_by_residual(answer, limit)) return true;
-    }
+    if (needs_residual && passes_by_residual(answer, limit)) return true;
     respond(answer);
     if (is_whole_ && !needs_residual && passes_as_a_whole(answer, limit)) return true;
-    if constexpr (kHasMoreBits) {
-      if (has_residual && !needs_residual && passes_by_residual(answer, limit)) return true;
-    }
+    if (has_residual && !needs_residual && passes_by_residual(answer, limit)) return true;
     if (whitening_.triangular()) whitening_.solve(change_.data());  // u - v
     return passes_by_islands(answer, limit);
   }
@@ -114,8 +110,7 @@ class VelocityTest {
     if (pressed_ == 0) return true;
     if (trusts_factors()) return true;
     if (!whitening_.triangular()) return false;
-    if constexpr (kHasMoreBits) return has_residual(answer) && residual_shows_velocity(answer);
-    return false;
+    return has_residual(answer) && residual_shows_velocity(answer);
   }
 
  private:
@@ -125,9 +120,6 @@ class VelocityTest {
   static constexpr double kRoom = 1.25;             ///< for G instead of C'C within kTrusted, and for rounding it
   static constexpr double kSafeSquare = 1e-280;     ///< no terms that matter beside it have underflowed
   static constexpr double kUnderflow = 1e-170;      ///< more than sums lose to it, over the root of any G_ii
-  static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
-  /// Of two doubles, exactly: what cancels in N z then leaves no rounding.
-  static constexpr bool kHoldsProducts = kUnitRoundoff<Scalar> < 0x1p-106;
 
   /// What an answer is worth, over an island or all.
   struct Measure {
@@ -135,7 +127,6 @@ class VelocityTest {
     Scalar largest = 0;           ///< max |W_j|^2, without C of squared_length()
     Scalar terms = 0;             ///< sum of |W_j| z_j, alike
     Scalar squared_change = 0;    ///< sum of (u - v)_i^2 G_ii
-    Scalar whitened_change = 0;   ///< sum of (C (u - v))_i^2, where products are held exactly
     Scalar squared_residual = 0;  ///< |C^-T r|^2
     ContactScale<Scalar> scale{};  ///< without speeds and rounding until add_floors()
   };
@@ -220,7 +211,7 @@ class VelocityTest {
 
   /// Whether passes_by_residual() can say anything, and takes less time than other tests; else it may not be asked.
   bool has_residual(const Answer& answer) const {
-    return kHasMoreBits && is_whole_ && whitening_.triangular() && answer.velocity != nullptr &&
+    return is_whole_ && whitening_.triangular() && answer.velocity != nullptr &&
            whitening_.ngc() >= L::kWidth && condition_is_trusted();
   }
 
@@ -299,7 +290,7 @@ class VelocityTest {
 
   [[gnu::noinline]] bool passes_by_islands(const Answer& answer, Scalar limit) {
     by_residual_ = false;
-    for (Count k = 0; k < islands_; ++k) measures_[k] = {.whitened_change = measures_[k].whitened_change};
+    for (Count k = 0; k < islands_; ++k) measures_[k] = {};
     for (Count i = 0; i < whitening_.ngc() && whitening_.triangular(); ++i) {
       const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
       const Scalar change = whitening_.root_diagonal()[i] * change_[i];
@@ -311,7 +302,7 @@ class VelocityTest {
     }
     bool measured = false;
     // Of one island and its velocity, passes_as_a_whole() has found what these bounds find.
-    const bool repeats = kHasMoreBits && whitening_.triangular() && is_whole_ && answer.velocity != nullptr;
+    const bool repeats = whitening_.triangular() && is_whole_ && answer.velocity != nullptr;
     if (!repeats) {
       measured = measure_worst(answer);
       if (measured && islands_pass(limit)) return true;
@@ -319,15 +310,11 @@ class VelocityTest {
     if (whitening_.triangular()) {
       whitening_.sharpen_condition();
       if (measured && islands_pass(limit)) return true;
-    }
-    if constexpr (kHasMoreBits) {
-      if (whitening_.triangular()) {
-        by_residual_ = true;
-        move_contacts(answer, change_.data());
-        measure_residual(answer);
-        measured = measure_worst(answer);
-        if (measured && islands_pass(limit)) return true;
-      }
+      by_residual_ = true;
+      move_contacts(answer, change_.data());
+      measure_residual(answer);
+      measured = measure_worst(answer);
+      if (measured && islands_pass(limit)) return true;
     }
     if (!measured) return false;
     add_floors(answer);
@@ -350,18 +337,13 @@ class VelocityTest {
   /// answer.slack := w = N'v + b + W'c + r_n z. @pre active_ and pressed_ are set
   void respond(const Answer& answer) {
     set_zero(change_.data(), lanes());
-    if constexpr (kHoldsProducts) {
-      add_impulses_exactly(answer);
-    } else {
-      for (Count k = 0; k < pressed_; ++k) {
-        if (!whitening_.moves(active_[k])) continue;
-        add_unpadded_multiple(change_.data(), answer.impulse[active_[k]], whitening_.given_normal(active_[k]),
-                              whitening_.ngc());
-      }
+    for (Count k = 0; k < pressed_; ++k) {
+      if (!whitening_.moves(active_[k])) continue;
+      add_unpadded_multiple(change_.data(), answer.impulse[active_[k]], whitening_.given_normal(active_[k]),
+                            whitening_.ngc());
     }
     if (whitening_.triangular()) {
       whitening_.solve_transposed(change_.data());
-      if constexpr (kHoldsProducts) measure_whitened_change();
     } else {
       whitening_.project(change_.data(), residual_.data());
       copy(change_.data(), residual_.data(), lanes());
@@ -427,12 +409,6 @@ class VelocityTest {
 
   /// How far the velocity of any contact of the island may be off, by the backward error of C.
   Scalar rounding(const Measure& island) const;
-
-  /// change_ := N z of impulses that are doubles, each sum with its rounding made up for. [Ogita, Rump, Oishi 2005,
-  /// Sum2]
-  void add_impulses_exactly(const Answer& answer);
-
-  void measure_whitened_change();
 
   /// How far the velocity of contact j may be off, by the residual of the change. @pre measure_residual()
   Scalar rounding(const Measure& island, Count j) const;

@@ -6,8 +6,7 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-template <class Scalar>
-inline bool VelocityTest<Scalar>::covers_rounding(const Answer& answer, Scalar most, Scalar moved) const {
+inline bool VelocityTest::covers_rounding(const Answer& answer, Scalar most, Scalar moved) const {
   if (!condition_is_trusted()) return false;
   const Scalar of_change = answer.velocity != nullptr ? of_velocity(answer) : of_whitened_change();
   const Scalar sums = roundings(4 * static_cast<double>(whitening_.ngc()));
@@ -16,8 +15,7 @@ inline bool VelocityTest<Scalar>::covers_rounding(const Answer& answer, Scalar m
          static_cast<Scalar>(1.1) * whitening_.largest_squared_norm() * of_change + 11 * of_terms <= most * most;
 }
 
-template <class Scalar>
-inline Scalar VelocityTest<Scalar>::of_velocity(const Answer& answer) const {
+inline double VelocityTest::of_velocity(const Answer& answer) const {
   const Scalar condition = whitening_.condition();
   const Scalar roundoff = (size() + 3) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
   const auto of_difference = L::broadcast(22 * condition);
@@ -37,8 +35,7 @@ inline Scalar VelocityTest<Scalar>::of_velocity(const Answer& answer) const {
   return squared > static_cast<Scalar>(kSafeSquare) ? condition * error * error * squared : Scalar(0);
 }
 
-template <class Scalar>
-inline void VelocityTest<Scalar>::add_row(const Answer& answer, Count j, ContactScale<Scalar>& scale) const {
+inline void VelocityTest::add_row(const Answer& answer, Count j, ContactScale<Scalar>& scale) const {
   Scalar velocity = 0, terms = 0;
   Count entries = 0;
   for (Count i = 0; i < whitening_.ngc(); ++i) {
@@ -51,55 +48,25 @@ inline void VelocityTest<Scalar>::add_row(const Answer& answer, Count j, Contact
   scale.add_row(velocity, terms, static_cast<double>(entries));
 }
 
-template <class Scalar>
-inline Scalar VelocityTest<Scalar>::rounding(const Measure& island) const {
+inline double VelocityTest::rounding(const Measure& island) const {
   if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
   const Scalar reach = square_root(island.largest);
   const Scalar sums = roundings(static_cast<double>(whitening_.ngc() + pressed_));
   if (!whitening_.triangular()) return reach * island.terms * (2 * whitening_.noise() + sums);
   if (!condition_is_trusted()) return kInfinity<Scalar>;
-  // Sums without a rounding of their own are off by the rounding of the result, and once more by that of the terms.
-  const Scalar terms = kHoldsProducts ? square_root(island.whitened_change) + sums * island.terms : island.terms;
   return reach * square_root(whitening_.condition()) *
          (size() * whitening_.backward_error() * square_root(island.squared_change) +
-          sums * square_root(size()) * terms);
+          sums * square_root(size()) * island.terms);
 }
 
-template <class Scalar>
-inline void VelocityTest<Scalar>::add_impulses_exactly(const Answer& answer) {
-  for (Count i = 0; i < whitening_.ngc(); ++i) {
-    Scalar sum = 0, rest = 0;
-    for (Count k = 0; k < pressed_; ++k) {
-      if (!whitening_.moves(active_[k])) continue;
-      const Scalar term = static_cast<Scalar>(whitening_.given_normal(active_[k])[i]) * answer.impulse[active_[k]];
-      const Scalar next = sum + term;
-      const Scalar part = next - sum;
-      rest += (sum - (next - part)) + (term - part);
-      sum = next;
-    }
-    change_[i] = sum + rest;
-  }
-}
-
-template <class Scalar>
-inline void VelocityTest<Scalar>::measure_whitened_change() {
-  for (Count k = 0; k < islands_; ++k) measures_[k].whitened_change = 0;
-  for (Count i = 0; i < whitening_.ngc(); ++i) {
-    const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
-    if (k >= 0) measures_[k].whitened_change += change_[i] * change_[i];
-  }
-}
-
-template <class Scalar>
-inline Scalar VelocityTest<Scalar>::rounding(const Measure& island, Count j) const {
+inline double VelocityTest::rounding(const Measure& island, Count j) const {
   if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
   if (!condition_is_trusted()) return kInfinity<Scalar>;
   const Scalar off = off_by(island.squared_residual, island.squared_change, island.terms);
   return square_root(whitening_.squared_norm(j)) * off + roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
 }
 
-template <class Scalar>
-void VelocityTest<Scalar>::measure_residual(const Answer& answer) {
+inline void VelocityTest::measure_residual(const Answer& answer) {
   form_residual(answer, change_.data());
   for (Count k = 0; k < islands_; ++k) measures_[k].squared_residual = 0;
   for (Count i = 0; i < whitening_.ngc(); ++i) {

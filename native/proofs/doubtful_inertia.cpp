@@ -48,11 +48,6 @@ void DoubtfulInertia::load(const ContactProblem& contact) {
   }
 }
 
-void DoubtfulInertia::doubt_given(const ContactProblem& contact) {
-  is_doubtful_ = is_doubtful_ || std::holds_alternative<DenseInertia>(contact.inertia) ||
-                 std::holds_alternative<BlockInertia>(contact.inertia);
-}
-
 bool DoubtfulInertia::confirms_in_quad(const ContactProblem& contact, const Eigen::Ref<const Vector>& v,
                                        Answer& answer) {
   constexpr Index kMostCoordinates = 200;  // which take some tenths of a second

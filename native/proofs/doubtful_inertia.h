@@ -23,17 +23,13 @@ bool may_be_singular(const ContactProblem& contact);
 bool may_be_unsolvable(const ContactProblem& contact);
 
 /// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
-/// factored: factors that may be dependent, a given G* of coordinates far apart in scale, a G that is nearly singular.
+/// factored: factors that may be dependent, a given G* of coordinates far apart in scale.
 /// It shares no factorization with them.
 class DoubtfulInertia {
  public:
   /// load() then allocates nothing for this problem.
   void reserve(const ContactProblem& contact);
   void load(const ContactProblem& contact);
-
-  /// To be called where a G, dense or of blocks, was factored as singular to within the rounding of doubles: what was
-  /// taken for rounding may move.
-  void doubt_given(const ContactProblem& contact);
 
   bool is_doubtful() const { return is_doubtful_; }
 
