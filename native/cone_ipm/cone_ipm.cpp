@@ -21,11 +21,13 @@ namespace {
 /// Of an island: its matrices are dense.
 constexpr std::size_t kMostCoordinates = 3000;
 
+/// The residual in double up to which an answer is claimed, relative to the scale, unless the tolerance is larger.
+constexpr double kAcceptedResidual = 1e-8;
+
 struct ConeIpmSettings {
   bool cone = false;
   ConeIsland::Slip slip = ConeIsland::Slip::kNewton;
   double tolerance = 1e-10;
-  double accept_residual = 1e-8;
   double error = 0;
   std::int64_t max_iterations = 2000;
 
@@ -39,13 +41,8 @@ struct ConeIpmSettings {
           "that the answer is then judged by");
     field("tolerance", tolerance, RealRange{.min = 0},
           "stop when the residual of the cone's conditions is at most this times the scale of the island");
-    field(
-        "accept_residual", accept_residual, RealRange{.min = 0},
-        "claim solved only when that residual, evaluated in double, is at most this, or tolerance where that is more, "
-        "times the scale of every island, and the answer passes the test of the verdict's measure");
     field("error", error, RealRange{.min = 0},
-          "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance and "
-          "accept_residual do");
+          "[m/s] stop, and claim solved, when the residual is at most this, if that asks for less than tolerance does");
     field("max_iterations", max_iterations, IntegerRange{.min = 0},
           "Newton steps of each island, those with predictor and corrector among them");
   }
@@ -58,8 +55,8 @@ struct ConeIpmSettings {
 
 /// Solves contacts with the round Coulomb cone, island by island, by ConeIsland.
 ///
-/// kSolved: the residual of the cone's conditions, recomputed from the impulses in double, is within accept_residual on
-/// every island, and AnswerTest has passed too, or with friction or compliance ContactResidual. That the iteration converges
+/// kSolved: the residual of the cone's conditions, recomputed from the impulses in double, is at most 1e-8, or the
+/// tolerance, on every island, and AnswerTest has passed too, or with friction or compliance ContactResidual. That the iteration converges
 /// is not proven with friction.
 class ConeIpm final : public Solver {
  public:
@@ -177,7 +174,7 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   const double allowed = by_cone() ? settings_.error / part.method.speed() : 0.0;
   // Neither test passes more than kClaimedResidual.
   const double tolerance = std::max(std::min(settings_.tolerance, kClaimedResidual / 2), allowed);
-  const double accepted = std::max(settings_.accept_residual, tolerance);
+  const double accepted = std::max(kAcceptedResidual, tolerance);
   const ConeLimits limits{.tolerance = tolerance,
                           .accepted = accepted,
                           .max_iterations = settings_.max_iterations,
