@@ -7,7 +7,7 @@
 #include "core/answer/contact_residual.h"
 #include "core/problem.h"
 #include "core/solver.h"
-#include "native/active_set/contact_farkas.h"
+#include "native/contact_lemke/contact_farkas.h"
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/contact_test.h"
 #include "native/contact_lemke/contact_lemke.h"

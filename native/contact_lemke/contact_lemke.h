@@ -13,7 +13,7 @@
 #include "native/contacts/contact_input.h"
 #include "native/contacts/growing_vector.h"
 #include "native/contacts/budgeted_solver.h"
-#include "native/active_set/contact_farkas.h"
+#include "native/contact_lemke/contact_farkas.h"
 #include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {

@@ -14,7 +14,7 @@
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/budgeted_solver.h"
 #include "native/friction_ipm/friction_ipm.h"
-#include "native/active_set/contact_farkas.h"
+#include "native/contact_lemke/contact_farkas.h"
 #include "native/proximal_newton/proximal_newton.h"
 #include "native/sor/psor.h"
 #include "native/velocity_ipm/velocity_ipm.h"

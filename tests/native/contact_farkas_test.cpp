@@ -1,4 +1,4 @@
-#include "native/active_set/contact_farkas.h"
+#include "native/contact_lemke/contact_farkas.h"
 
 #include <cmath>
 #include <limits>
