@@ -42,6 +42,7 @@ Vector post_impact_velocity_in_quad(const ContactProblem& problem, const Vector&
   };
   add(problem.N, 0);
   add(problem.D, problem.nc());
+  if (problem.has_rows()) add(problem.rows.R, z.size() - problem.rows.size());
   inertia.solve(change);
   for (Index i = 0; i < problem.ngc(); ++i) change[static_cast<std::size_t>(i)] += problem.v(i);
   return Vector::NullaryExpr(problem.ngc(), [&](Index i) { return to_double(change[static_cast<std::size_t>(i)]); });
@@ -61,7 +62,32 @@ void add_softness(const ContactProblem& problem, const ContactLayout& layout, Lc
   }
 }
 
+/// The last rows and columns of M, and the bounds. @param products  of all columns of J
+void add_bounded_rows(const ContactProblem& problem, const ContactLayout& layout, const Matrix& products, Lcp& lcp) {
+  const BoundedRows& rows = problem.rows;
+  const Index impulses = layout.lambda_offset(), first = layout.row_offset();
+  lcp.M.block(first, 0, rows.size(), impulses) = products.bottomLeftCorner(rows.size(), impulses);
+  lcp.M.block(0, first, impulses, rows.size()) = products.topRightCorner(impulses, rows.size());
+  lcp.M.bottomRightCorner(rows.size(), rows.size()) = products.bottomRightCorner(rows.size(), rows.size());
+  lcp.bounds = LcpBounds::nonnegative(layout.size());
+  lcp.bounds.lower.tail(rows.size()) = rows.bounds.lower;
+  lcp.bounds.upper.tail(rows.size()) = rows.bounds.upper;
+  lcp.bounds.mu.tail(rows.size()) = rows.bounds.mu;
+  for (Index i = 0; i < rows.size(); ++i) {
+    lcp.M(first + i, first + i) += rows.yields(i);
+    lcp.q(first + i) += rows.offset(i);
+    const int of = rows.bounds.friction_of[static_cast<std::size_t>(i)];
+    if (of >= 0) lcp.bounds.friction_of[static_cast<std::size_t>(first + i)] = static_cast<int>(first) + of;
+  }
+}
+
 }  // namespace
+
+std::string BoundedRows::name_of(Index row) const {
+  const std::string number = "row " + std::to_string(row);
+  const auto i = static_cast<std::size_t>(row);
+  return i < names.size() && !names[i].empty() ? number + " (" + names[i] + ")" : number;
+}
 
 Index rows(const Jacobian& J) {
   return std::visit([](const auto& m) { return m.rows(); }, J);
@@ -101,11 +127,12 @@ ContactLayout contact_layout(const ContactProblem& problem, ContactLayout memory
     if (edges > 0) layout.cone_contact[static_cast<std::size_t>(layout.cones++)] = static_cast<Index>(i);
   }
   layout.cone_contact.resize(static_cast<std::size_t>(layout.cones));
+  layout.rows = problem.rows.size();
   return layout;
 }
 
 Index lcp_size(const ContactProblem& problem) {
-  Index size = problem.nc();
+  Index size = problem.nc() + problem.rows.size();
   for (const int edges : problem.edges) size += edges > 0 ? edges + 1 : 0;
   return size;
 }
@@ -132,20 +159,32 @@ Matrix dense_inertia(const Inertia& inertia) {
 Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation) {
   const ContactLayout layout = contact_layout(problem);
   const Index impulses = layout.nc + layout.friction;
-  Matrix J(problem.ngc(), impulses);
+  Matrix J(problem.ngc(), impulses + layout.rows);
   J.leftCols(layout.nc) = to_dense(problem.N);
-  J.rightCols(layout.friction) = to_dense(problem.D);
+  J.middleCols(layout.nc, layout.friction) = to_dense(problem.D);
+  if (problem.has_rows()) J.rightCols(layout.rows) = to_dense(problem.rows.R);
 
   Lcp lcp;
   lcp.M = Matrix::Zero(layout.size(), layout.size());
   lcp.q = Vector::Zero(layout.size());
   const Matrix response = inverse_for(problem.inertia, formation) * J;
-  auto products = lcp.M.topLeftCorner(impulses, impulses);
-  products.noalias() = response.transpose() * J;  // Eigen's order for this one, not its transpose, gives M's last bits
-  products.transposeInPlace();
-  lcp.q.head(impulses) = J.transpose() * problem.v;
+  const auto form_products = [&](auto&& products) {
+    products.noalias() = response.transpose() * J;  // Eigen's order for this one, not its transpose, gives M's last bits
+    products.transposeInPlace();
+  };
+  Matrix products;  // of all columns; not the same order as of M
+  if (problem.has_rows()) {
+    form_products(products);
+    lcp.M.topLeftCorner(impulses, impulses) = products.topLeftCorner(impulses, impulses);
+  } else {
+    form_products(lcp.M.topLeftCorner(impulses, impulses));
+  }
+  const Vector velocities = J.transpose() * problem.v;
+  lcp.q.head(impulses) = velocities.head(impulses);
+  lcp.q.tail(layout.rows) = velocities.tail(layout.rows);
   if (problem.has_offset()) lcp.q.head(layout.nc) += problem.b;
   if (problem.is_soft()) add_softness(problem, layout, lcp);
+  if (problem.has_rows()) add_bounded_rows(problem, layout, products, lcp);
   for (Index c = 0; c < layout.cones; ++c) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
     const Index lambda = layout.lambda_offset() + c;
@@ -166,10 +205,12 @@ Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
     return std::visit([&](const auto& m) { return Vector(m * x); }, J);
   };
   const auto add_response = [&](const Vector& f, Vector& to) {
-    const Vector impulse = times(problem.N, f.head(layout.nc)) + times(problem.D, f.tail(layout.friction));
+    Vector impulse = times(problem.N, f.head(layout.nc)) + times(problem.D, f.segment(layout.nc, layout.friction));
+    if (problem.has_rows()) impulse += times(problem.rows.R, f.tail(layout.rows));
     add_inverse_product(problem.inertia, impulse, to);
   };
-  const Vector f = z.head(layout.lambda_offset());
+  Vector f(layout.lambda_offset() + layout.rows);
+  f << z.head(layout.lambda_offset()), z.tail(layout.rows);
   // Tiny impulses take a product of their own, scaled so that it does not underflow.
   const Vector tiny = f.unaryExpr([](double x) { return is_near_underflow(x) ? x : 0.0; });
   Vector velocity = problem.v;
@@ -187,7 +228,8 @@ Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
 Vector complete_impulses(const ContactProblem& problem, const Vector& impulses) {
   const ContactLayout layout = contact_layout(problem);
   Vector z = Vector::Zero(layout.size());
-  z.head(layout.lambda_offset()) = impulses;
+  z.head(layout.lambda_offset()) = impulses.head(layout.lambda_offset());
+  z.tail(layout.rows) = impulses.tail(layout.rows);
   const Vector velocity = post_impact_velocity(problem, z);
   const Vector slip = std::visit([&](const auto& D) { return Vector(D.transpose() * velocity); }, problem.D);
   const SoftRows<double> soft(problem, layout);

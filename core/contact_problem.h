@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -47,6 +48,29 @@ inline double dot_column(const Jacobian& J, Index column, const Vector& v) {
   return v.size() == 0 ? 0.0 : std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
 }
 
+/// Rows beside the contacts, whose impulses have bounds lower <= 0 <= upper: equalities of joints (no bounds), their
+/// limits (one), dry friction, motors and brakes (two), and friction that grows with the load on another row.
+///
+///     w = R'v+ + b + compliance f,     lower <= f <= upper,
+///     w >= 0 where f = lower,  w <= 0 where f = upper,  w = 0 between
+///
+/// A row with friction_of = j has the bounds -mu f_j and mu f_j, j another row whose lower bound is 0. Along an axis R'v+
+/// is in m/s and f in N s, around one in rad/s and N m s. [Panagiotopoulos 1985; Pfeiffer, Glocker 1996, 4]
+struct BoundedRows {
+  Jacobian R;                        ///< ngc x m
+  LcpBounds bounds{};                ///< m entries each
+  Vector b{};                        ///< m entries, or none where all are zero
+  Vector compliance{};               ///< >= 0, alike
+  std::vector<char> is_angle{};      ///< m entries: R'v+ is in rad/s
+  std::vector<std::string> names{};  ///< m entries, or none
+
+  Index size() const { return bounds.lower.size(); }
+  double offset(Index row) const { return b.size() > 0 ? b(row) : 0.0; }
+  double yields(Index row) const { return compliance.size() > 0 ? compliance(row) : 0.0; }
+  /// Of what name and number say: "row 3 (hinge)".
+  std::string name_of(Index row) const;
+};
+
 /// A rigid-body contact problem in the Anitescu-Potra impulse form.
 ///
 /// Find impulses f_N, f_D >= 0 and slip bounds lambda >= 0 that complete LCP(q, M) with J = [N D],
@@ -66,6 +90,8 @@ inline double dot_column(const Jacobian& J, Index column, const Vector& v) {
 ///     w_N = N'v+ + b + r_n f_N,     w_D = D'v+ + C'(offset_t + r_t f_T) + lambda
 ///
 /// r_t acts on the net impulse, so that more edges do not make a contact stiffer.
+///
+/// Bounded rows may stand beside the contacts. J is then [N D R], z ends with f_R, and the LCP is mixed.
 struct ContactProblem {
   Vector v;                ///< ngc: generalized velocity before the impact [m/s, rad/s]
   Jacobian N;              ///< ngc x nc
@@ -77,10 +103,12 @@ struct ContactProblem {
   Vector compliance_n{};  ///< r_n >= 0 [m/s per N s]: nc entries, or none where all are zero
   Vector compliance_t{};  ///< r_t >= 0 alike, 0 where edges is 0
   Vector offset_t{};      ///< of the velocity along both tangents [m/s]: 2 nc entries, or none where all are zero
+  BoundedRows rows{};
 
   Index ngc() const { return v.size(); }
   Index nc() const { return static_cast<Index>(edges.size()); }
   bool frictional() const { return cols(D) > 0; }
+  bool has_rows() const { return rows.size() > 0; }
   bool has_offset() const { return b.size() > 0; }
   double offset(Index contact) const { return has_offset() ? b(contact) : 0.0; }
   bool is_soft() const { return compliance_n.size() > 0 || compliance_t.size() > 0 || offset_t.size() > 0; }
@@ -97,13 +125,15 @@ struct ContactLayout {
   Index nc = 0;
   Index friction = 0;                 ///< number of friction columns, sum(edges)
   Index cones = 0;                    ///< number of lambdas
+  Index rows = 0;                     ///< number of bounded rows
   std::vector<Index> friction_begin;  ///< nc + 1 offsets of each contact's columns in D
   std::vector<Index> lambda;          ///< nc: index of the contact's lambda among the lambdas, -1 without friction
   std::vector<Index> cone_contact;    ///< cones: the contact of each lambda
 
-  Index size() const { return nc + friction + cones; }
+  Index size() const { return row_offset() + rows; }
   Index friction_offset() const { return nc; }
   Index lambda_offset() const { return nc + friction; }
+  Index row_offset() const { return nc + friction + cones; }
 };
 
 /// @param memory  a layout that is no longer needed: its vectors are used again
@@ -172,14 +202,14 @@ struct MatrixFormation {
   bool operator==(const MatrixFormation&) const = default;
 };
 
-/// Forms LCP(q, M) in double from G* and J, all dense. O(ngc (ngc + n)^2), (ngc + n)^2 memory.
+/// Forms LCP(q, M) in double from G* and J, all dense; with bounded rows a mixed one. O(ngc (ngc + n)^2), (ngc + n)^2 memory.
 Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation = {});
 
-/// v+ = v + G* (N f_N + D f_D), in double; in 113 bits if v+ is not finite in double although v and z are, with NaN if
+/// v+ = v + G* J f, in double; in 113 bits if v+ is not finite in double although v and z are, with NaN if
 /// they do not determine G*. Takes the inverse of G, or of each block. @param z  lcp_size(problem) entries
 Vector post_impact_velocity(const ContactProblem& problem, const Vector& z);
 
-/// The z of impulses that came without lambda, f_N and then f_D: the least lambda that makes the friction rows feasible
+/// The z of impulses that came without lambda, f_N, f_D and f_R: the least lambda that makes the friction rows feasible
 /// completes them.
 Vector complete_impulses(const ContactProblem& problem, const Vector& impulses);
 

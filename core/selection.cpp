@@ -101,11 +101,28 @@ ContactProblem select_contacts(const ContactProblem& problem, const std::vector<
   return part;
 }
 
+ContactProblem select_rows(const ContactProblem& problem, const std::vector<Index>& kept) {
+  ContactProblem part = problem;
+  const BoundedRows& rows = problem.rows;
+  part.rows = {};
+  if (kept.empty()) return part;
+  part.rows.R = part_of(rows.R, all_indices(problem.ngc()), kept);
+  part.rows.bounds = rows.bounds.of_rows(kept);
+  if (rows.b.size() > 0) part.rows.b = rows.b(kept);
+  if (rows.compliance.size() > 0) part.rows.compliance = rows.compliance(kept);
+  for (const Index row : kept) {
+    part.rows.is_angle.push_back(rows.is_angle[static_cast<std::size_t>(row)]);
+    if (!rows.names.empty()) part.rows.names.push_back(rows.names[static_cast<std::size_t>(row)]);
+  }
+  return part;
+}
+
 ContactProblem select_coordinates(const ContactProblem& problem, const std::vector<Index>& coordinates) {
   ContactProblem part = problem;
   part.v = problem.v(coordinates);
   part.N = part_of(problem.N, coordinates, all_indices(problem.nc()));
   part.D = part_of(problem.D, coordinates, all_indices(cols(problem.D)));
+  if (problem.has_rows()) part.rows.R = part_of(problem.rows.R, coordinates, all_indices(problem.rows.size()));
   part.inertia = inertia_on(problem.inertia, coordinates);
   return part;
 }

@@ -30,8 +30,11 @@ std::vector<Index> block_begins(const BlockInertia& inertia, std::vector<Index> 
 /// The indices of the columns of D that belong to these contacts, contact by contact.
 std::vector<Index> directions_of(const ContactProblem& problem, const std::vector<Index>& contacts);
 
-/// These contacts in the order given, some perhaps twice, on all coordinates.
+/// These contacts in the order given, some perhaps twice, on all coordinates, with all bounded rows.
 ContactProblem select_contacts(const ContactProblem& problem, const std::vector<Index>& contacts);
+
+/// All contacts with these bounded rows. @pre no row of friction without the row that bounds it
+ContactProblem select_rows(const ContactProblem& problem, const std::vector<Index>& kept);
 
 /// All contacts on these coordinates: the other coordinates' rows of N, D and of G (of G* where only that is given) are
 /// left out, which keeps the solutions only if nothing couples the two. Factors of the inertia that are zero on the
