@@ -6,69 +6,12 @@
 #include <numbers>
 #include <utility>
 
-#include "core/entries.h"
+#include "core/added_coordinates.h"
 
 namespace lcpbench {
 namespace {
 
-/// The coordinates that are added to those of a problem, and what the contacts' columns have in them.
-class AddedCoordinates {
- public:
-  explicit AddedCoordinates(const ContactProblem& problem) : next_(problem.ngc()) {}
-
-  /// @returns the coordinate
-  Index add(double inertia, double speed) {
-    inertia_.push_back(inertia);
-    speeds_.push_back(speed);
-    return next_++;
-  }
-  Index end() const { return next_; }
-
-  Vector velocity(const Vector& v) const {
-    Vector all(next_);
-    all << v, Eigen::Map<const Vector>(speeds_.data(), static_cast<Index>(speeds_.size()));
-    return all;
-  }
-
-  Inertia inertia(const Inertia& of) const {
-    const auto count = static_cast<Index>(inertia_.size());
-    const Vector own = Eigen::Map<const Vector>(inertia_.data(), count);
-    if (const auto* factors = std::get_if<FactoredInertia>(&of)) {
-      FactoredInertia all{Matrix::Zero(next_, factors->X.cols() + count), Vector(factors->alpha.size() + count)};
-      all.X.topLeftCorner(factors->X.rows(), factors->X.cols()) = factors->X;
-      all.X.bottomRightCorner(count, count).setIdentity();
-      all.alpha << factors->alpha, own;
-      return all;
-    }
-    if (const auto* inverse = std::get_if<InverseInertia>(&of)) {
-      InverseInertia all{Matrix::Zero(next_, next_)};
-      all.Ginv.topLeftCorner(next_ - count, next_ - count) = inverse->Ginv;
-      all.Ginv.diagonal().tail(count) = own.cwiseInverse();
-      return all;
-    }
-    BlockInertia all;
-    if (const auto* dense = std::get_if<DenseInertia>(&of)) all.blocks.push_back(dense->G);
-    if (const auto* bodies = std::get_if<BlockInertia>(&of)) all.blocks = bodies->blocks;
-    for (const double each : inertia_) all.blocks.push_back(Matrix::Constant(1, 1, each));
-    return all;
-  }
-
- private:
-  Index next_;
-  std::vector<double> inertia_, speeds_;
-};
-
-using Entries = std::vector<Eigen::Triplet<double>>;
-
-/// J with more rows, which have the entries `added`.
-SparseMatrix with_rows(const Jacobian& J, Index rows, Entries added) {
-  for (Index column = 0; column < cols(J); ++column) {
-    for_each_entry(J, column, [&](Index row, double entry) { added.emplace_back(row, column, entry); });
-  }
-  SparseMatrix result(rows, cols(J));
-  result.setFromTriplets(added.begin(), added.end());
-  return result;
-}
+using Entries = AddedCoordinates::Entries;
 
 /// The coordinate that gives way by r f: its entry of J and its inertia, about `mass`. entry^2 / inertia is r exactly.
 struct Yielding {
@@ -118,6 +61,30 @@ bool has_coordinate(const ContactProblem& problem, Index contact, int tangent) {
 }
 
 }  // namespace
+
+Inertia AddedCoordinates::inertia(const Inertia& of) const {
+  if (inertia_.empty()) return of;
+  const auto count = static_cast<Index>(inertia_.size());
+  const Vector own = Eigen::Map<const Vector>(inertia_.data(), count);
+  if (const auto* factors = std::get_if<FactoredInertia>(&of)) {
+    FactoredInertia all{Matrix::Zero(next_, factors->X.cols() + count), Vector(factors->alpha.size() + count)};
+    all.X.topLeftCorner(factors->X.rows(), factors->X.cols()) = factors->X;
+    all.X.bottomRightCorner(count, count).setIdentity();
+    all.alpha << factors->alpha, own;
+    return all;
+  }
+  if (const auto* inverse = std::get_if<InverseInertia>(&of)) {
+    InverseInertia all{Matrix::Zero(next_, next_)};
+    all.Ginv.topLeftCorner(next_ - count, next_ - count) = inverse->Ginv;
+    all.Ginv.diagonal().tail(count) = own.cwiseInverse();
+    return all;
+  }
+  BlockInertia all;
+  if (const auto* dense = std::get_if<DenseInertia>(&of)) all.blocks.push_back(dense->G);
+  if (const auto* bodies = std::get_if<BlockInertia>(&of)) all.blocks = bodies->blocks;
+  for (const double each : inertia_) all.blocks.push_back(Matrix::Constant(1, 1, each));
+  return all;
+}
 
 std::array<double, 2> edge_direction(Index k, Index edges) {
   const double sign = 2 * k < edges ? 1.0 : -1.0;
@@ -179,8 +146,8 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
   }
   ContactProblem rigid;
   rigid.v = added.velocity(problem.v);
-  rigid.N = with_rows(problem.N, added.end(), std::move(normal));
-  rigid.D = with_rows(problem.D, added.end(), std::move(friction));
+  rigid.N = added.jacobian(problem.N, cols(problem.N), std::move(normal));
+  rigid.D = added.jacobian(problem.D, cols(problem.D), std::move(friction));
   rigid.edges = problem.edges;
   rigid.mu = problem.mu;
   rigid.inertia = added.inertia(problem.inertia);

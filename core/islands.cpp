@@ -158,6 +158,18 @@ void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
   if (is_one) sets.keep_run(offset, matrix.rows());
 }
 
+/// Of each row a coordinate that it moves, or the row that bounds its friction; -1 where there is none.
+void join_rows(const BoundedRows& rows, DisjointSets& sets, std::vector<Index>& coordinates) {
+  const ColumnJoiner columns(rows.R, sets);
+  for (Index i = 0; i < rows.size(); ++i) {
+    Joined joined(sets);
+    columns.join(i, joined);
+    const int of = rows.bounds.friction_of[static_cast<std::size_t>(i)];
+    if (of >= 0) columns.join(of, joined);
+    coordinates[static_cast<std::size_t>(i)] = joined.representative();
+  }
+}
+
 }  // namespace
 
 bool couples_all(const Inertia& inertia) {
@@ -177,7 +189,7 @@ void IslandNumbers::reserve(Index ngc, Index nc) {
 void IslandNumbers::find(const ContactProblem& problem) {
   DisjointSets sets(problem.ngc(), parent_, run_end_);
   for_each_matrix(problem.inertia, [&](const Matrix& matrix, Index first) { join_columns(matrix, first, sets); });
-  of_contact.resize(problem.edges.size());  // at first a coordinate that the contact moves; its island's number below
+  of_contact.resize(problem.edges.size());  // at first a coordinate that it moves; its island's number below
   const ColumnJoiner normals(problem.N, sets);
   const ColumnJoiner tangents(problem.D, sets);
   Index direction = 0;
@@ -191,19 +203,24 @@ void IslandNumbers::find(const ContactProblem& problem) {
     direction += edges;
     of_contact[static_cast<std::size_t>(c)] = joined.representative();
   }
+  of_row.resize(static_cast<std::size_t>(problem.rows.size()));
+  if (problem.has_rows()) join_rows(problem.rows, sets, of_row);
 
   count = 0;
   number_.assign(static_cast<std::size_t>(problem.ngc()), -1);
-  for (Index& coordinate : of_contact) {
-    if (coordinate < 0) {
-      const auto contact = static_cast<Index>(&coordinate - of_contact.data());
-      if (problem.normal_compliance(contact) > 0) coordinate = count++;
-      continue;
+  const auto number = [&](std::vector<Index>& coordinates, const auto& yields) {
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      if (coordinates[i] < 0) {
+        if (yields(static_cast<Index>(i)) > 0) coordinates[i] = count++;
+        continue;
+      }
+      Index& own = number_[static_cast<std::size_t>(sets.find(coordinates[i]))];
+      if (own < 0) own = count++;
+      coordinates[i] = own;
     }
-    Index& number = number_[static_cast<std::size_t>(sets.find(coordinate))];
-    if (number < 0) number = count++;
-    coordinate = number;
-  }
+  };
+  number(of_contact, [&](Index contact) { return problem.normal_compliance(contact); });
+  number(of_row, [&](Index row) { return problem.rows.yields(row); });
   of_coordinate.resize(static_cast<std::size_t>(problem.ngc()));
   for (Index i = 0; i < problem.ngc(); ++i) {
     of_coordinate[static_cast<std::size_t>(i)] = number_[static_cast<std::size_t>(sets.find(i))];
@@ -213,6 +230,7 @@ void IslandNumbers::find(const ContactProblem& problem) {
 void IslandNumbers::take_as_one(const ContactProblem& problem) {
   count = 1;
   of_contact.assign(problem.edges.size(), 0);
+  of_row.assign(static_cast<std::size_t>(problem.rows.size()), 0);
   of_coordinate.assign(static_cast<std::size_t>(problem.ngc()), 0);
 }
 
@@ -229,6 +247,7 @@ void IslandNumbers::list(std::vector<Island>& islands) const {
   for (Island& island : islands) {
     island.contacts.clear();
     island.coordinates.clear();
+    island.rows.clear();
   }
   if (count == 1) {
     islands.front().contacts.reserve(of_contact.size());
@@ -237,6 +256,9 @@ void IslandNumbers::list(std::vector<Island>& islands) const {
   for (std::size_t c = 0; c < of_contact.size(); ++c) {
     if (of_contact[c] < 0) continue;
     islands[static_cast<std::size_t>(of_contact[c])].contacts.push_back(static_cast<Index>(c));
+  }
+  for (std::size_t i = 0; i < of_row.size(); ++i) {
+    if (of_row[i] >= 0) islands[static_cast<std::size_t>(of_row[i])].rows.push_back(static_cast<Index>(i));
   }
   for (std::size_t i = 0; i < of_coordinate.size(); ++i) {
     if (of_coordinate[i] < 0) continue;
@@ -252,18 +274,25 @@ RowIslands row_islands(const ContactProblem& problem) {
   rows.of_row.resize(static_cast<std::size_t>(layout.size()));
   // By number in `islands`, the number in `rows`, where contacts that are in none of `islands` are counted, too.
   std::vector<Index> numbers(static_cast<std::size_t>(islands.count), -1);
-  for (Index c = 0; c < problem.nc(); ++c) {
-    const auto contact = static_cast<std::size_t>(c);
-    const Index island = islands.of_contact[contact];
+  const auto number_of = [&](Index island) {
     Index number = island < 0 ? -1 : numbers[static_cast<std::size_t>(island)];
     if (number < 0) number = rows.count++;
     if (island >= 0) numbers[static_cast<std::size_t>(island)] = number;
+    return number;
+  };
+  for (Index c = 0; c < problem.nc(); ++c) {
+    const auto contact = static_cast<std::size_t>(c);
+    const Index number = number_of(islands.of_contact[contact]);
     const auto set = [&](Index row) { rows.of_row[static_cast<std::size_t>(row)] = number; };
     set(c);
     for (Index t = layout.friction_begin[contact]; t < layout.friction_begin[contact + 1]; ++t) {
       set(layout.friction_offset() + t);
     }
     if (layout.lambda[contact] >= 0) set(layout.lambda_offset() + layout.lambda[contact]);
+  }
+  for (Index i = 0; i < layout.rows; ++i) {
+    rows.of_row[static_cast<std::size_t>(layout.row_offset() + i)] =
+        number_of(islands.of_row[static_cast<std::size_t>(i)]);
   }
   return rows;
 }

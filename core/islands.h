@@ -6,24 +6,28 @@
 
 namespace lcpbench {
 
-/// Contacts, and all generalized coordinates that their impulses may move; indices of the whole problem, ascending.
+/// Contacts and bounded rows, and all generalized coordinates that their impulses may move; indices of the whole
+/// problem, ascending.
 struct Island {
   std::vector<Index> contacts;
   std::vector<Index> coordinates;
+  std::vector<Index> rows;  ///< bounded rows
 };
 
-/// The parts of a problem that nothing couples, in the order of their first contacts.
+/// The parts of a problem that nothing couples, in the order of their first contacts, then of their first rows.
 ///
 /// Two coordinates belong together when a column of G (or of the given G*, or of the factors) has nonzero entries for
-/// both, or when the normal and the friction directions of one contact, taken together, have. Only entries that are
-/// exactly zero count as zero, so that solving the islands one by one solves the whole problem. A contact without
-/// any nonzero entry is an island of its own if it yields along its normal, else in no island, whatever its offset.
+/// both, or when the normal and the friction directions of one contact, taken together, have, or a bounded row, taken
+/// together with the row that bounds its friction. Only entries that are exactly zero count as zero, so that solving the
+/// islands one by one solves the whole problem. A contact without any nonzero entry is an island of its own if it yields
+/// along its normal, else in no island, whatever its offset; and alike a row.
 std::vector<Island> find_islands(const ContactProblem& problem);
 
 /// The same islands as numbers. The memory only grows, so that find() allocates nothing for sizes that it has met.
 struct IslandNumbers {
   std::vector<Index> of_contact;     ///< nc entries; -1 for contacts without any nonzero entry that do not yield
-  std::vector<Index> of_coordinate;  ///< ngc entries; -1 where no contact's impulse moves the coordinate
+  std::vector<Index> of_row;         ///< alike of each bounded row
+  std::vector<Index> of_coordinate;  ///< ngc entries; -1 where no impulse moves the coordinate
   Index count = 0;
 
   void reserve(Index ngc, Index nc);
@@ -52,7 +56,7 @@ struct RowIslands {
 };
 
 /// The islands of find_islands(), per row: a contact's normal row, its friction rows and its cone row are in its
-/// island. Unlike there, every contact without a nonzero entry is an island of its own.
+/// island. Unlike there, every contact and every bounded row without a nonzero entry is an island of its own.
 /// O(n + entries of the data), of sparse matrices the stored ones.
 RowIslands row_islands(const ContactProblem& problem);
 

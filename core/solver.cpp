@@ -12,6 +12,7 @@
 #include "core/answer/lcp_error.h"
 #include "core/answer/limits.h"
 #include "core/compliance.h"
+#include "core/contacts_of_rows.h"
 #include "core/error.h"
 #include "core/mixed_lcp.h"
 #include "core/quad.h"
@@ -91,6 +92,8 @@ double backward_error(const Lcp& lcp, const Vector& z) {
   return to_double(lcp_error(lcp, std::vector<Quad>(z.begin(), z.end())).backward);
 }
 
+constexpr const char* kWrongUpdate = "update(v): needs a loaded contact problem and v of its ngc entries";
+
 /// rho of z by the pyramid, from another velocity before the impact.
 double velocity_residual(ContactProblem contact, const Vector& v, const Vector& z) {
   contact.v = v;
@@ -159,9 +162,33 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem, bo
   return {};
 }
 
+
+/// Methods on contacts take contacts in the place of bounded rows; those on matrices the mixed LCP.
+bool is_for_contacts(const Capabilities& capabilities) {
+  return capabilities.needs == Needs::kFactored || capabilities.compliance;
+}
+
+bool has_bounded_rows(const Problem& problem) { return problem.contact() != nullptr && problem.contact()->has_rows(); }
+
+std::string why_no_rows(const Capabilities& capabilities, const Problem& problem) {
+  if (capabilities.needs == Needs::kScene) return "takes no bounded rows";
+  const BoundedRows& rows = problem.contact()->rows;
+  if (capabilities.needs == Needs::kFactored && !capabilities.boxed && !ContactsOfRows::can_express(rows)) {
+    return "takes no two rows of friction with one load, and no load with an upper bound";
+  }
+  const bool slides = rows.bounds.needs_slacks();
+  if (slides && capabilities.frictionless_only && !capabilities.boxed && capabilities.friction_setting[0] == '\0') {
+    return "needs a symmetric M, which second bounds and friction rows do not leave";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string why_not(const Capabilities& capabilities, const Problem& problem) {
+  if (!capabilities.rows && has_bounded_rows(problem)) {
+    if (std::string reason = why_no_rows(capabilities, problem); !reason.empty()) return reason;
+  }
   return why_not(capabilities, problem, false);
 }
 
@@ -188,7 +215,7 @@ void Answer::reserve(const Problem& problem) {
   const ContactProblem* contact = problem.contact();
   z.reserve(problem.size());
   if (contact != nullptr) velocity.reserve(contact->ngc());
-  farkas.reserve(contact != nullptr ? contact->nc() : problem.size());
+  farkas.reserve(contact != nullptr ? contact->nc() + contact->rows.size() : problem.size());
   detail.reserve(kLongestDetail);
 }
 
@@ -210,8 +237,27 @@ void keep(const Vector& v, Vector& kept) {
 
 }  // namespace
 
-/// The one place where soft contacts are made rigid, and mixed LCPs are reduced, for solvers that know no others.
+/// The one place where bounded rows become contacts or a mixed LCP, soft contacts rigid, and mixed LCPs are reduced, for
+/// solvers that know no others.
 void Solver::take(const Problem& problem, bool is_finite) {
+  contacts_of_rows_.reset();
+  has_rows_ = !capabilities().rows && has_bounded_rows(problem);
+  if (!has_rows_) return take_without_rows(problem, is_finite);
+  with_rows_ = problem;
+  problem_ = problem;
+  refusal_ = why_no_rows(capabilities(), problem);
+  if (refusal_.empty() && !is_finite && !data_are_finite(problem)) refusal_ = "the data hold NaN or infinity";
+  if (!refusal_.empty()) return;
+  const ContactProblem& contact = *problem.contact();
+  if (is_for_contacts(capabilities()) && ContactsOfRows::can_express(contact.rows)) {
+    contacts_of_rows_ = std::make_shared<ContactsOfRows>(contact);
+    take_without_rows(Problem(problem.name(), contacts_of_rows_->contacts(), problem.formation()), false);
+  } else {
+    take_without_rows(Problem(problem.name(), make_lcp(problem)), false);
+  }
+}
+
+void Solver::take_without_rows(const Problem& problem, bool is_finite) {
   problem_ = problem;
   if (requires_proofs_ && problem.contact() != nullptr) keep(problem.contact()->v, v_);
   is_equivalent_ = false;
@@ -262,6 +308,25 @@ void Solver::return_to_given(Answer& answer) {
   answer.detail = "solves the equivalent rigid problem, but not the soft one";
 }
 
+/// The answer to the problem with bounded rows. A claim of the contacts, or of the mixed LCP, is tested where it may
+/// not hold for the rows, which allocates.
+void Solver::return_to_rows(Answer& answer) {
+  const ContactProblem& given = *with_rows_.contact();
+  const bool may_fail = contacts_of_rows_ == nullptr || contacts_of_rows_->is_in_doubt(answer.z);
+  if (contacts_of_rows_) {
+    if (answer.velocity.size() > given.ngc()) answer.velocity = Vector(answer.velocity.head(given.ngc()));
+    if (answer.z.size() > 0) answer.z = contacts_of_rows_->restore(answer.z);
+    if (answer.farkas.size() > 0) answer.farkas = contacts_of_rows_->proof(answer.farkas);
+  }
+  const bool is_unproven = answer.farkas.size() > 0 && !proves_unsolvable(given, answer.farkas);
+  if (answer.claim == Claim::kUnsolvable && is_unproven) answer.claim = Claim::kNumericalFailure;
+  if (answer.claim != Claim::kSolved || !may_fail) return;
+  ContactResidual residual(given);
+  if (!residual.lcp || residual.rho(residual.at(answer.z)) <= kSolvedVelocityResidual) return;
+  answer.claim = Claim::kNumericalFailure;
+  answer.detail = "solves the problem in other words, but not the bounded rows";
+}
+
 /// A claim stands as far as it is the solver's own: not where rounding in the reduction is what made it false.
 void Solver::return_to_mixed(Answer& answer) const {
   if (answer.claim == Claim::kUnsolvable && !reduction_->is_exact()) {
@@ -301,9 +366,15 @@ void Solver::load_finite(const Problem& problem) {
 }
 
 void Solver::update(const Vector& v) {
+  if (has_rows_) {
+    if (!refusal_.empty() || v.size() != with_rows_.contact()->ngc()) throw std::invalid_argument(kWrongUpdate);
+    ContactProblem contact = *with_rows_.contact();
+    contact.v = v;
+    return update(Problem(with_rows_.name(), std::move(contact), with_rows_.formation()));
+  }
   const ContactProblem* contact = refusal_.empty() ? problem_.contact() : nullptr;
   if (contact == nullptr || v.size() != (is_equivalent_ ? given_.contact()->ngc() : contact->ngc())) {
-    throw std::invalid_argument("update(v): needs a loaded contact problem and v of its ngc entries");
+    throw std::invalid_argument(kWrongUpdate);
   }
   if (requires_proofs_ || is_equivalent_) keep(v, v_);
   if (!is_equivalent_) return on_update(v);
@@ -338,11 +409,17 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.reserve(problem_);
   answer.z.resize(problem_.size());
   answer.z.setZero();
-  on_solve(reduction_ ? SolveRequest{.time_limit_s = request.time_limit_s} : request, answer);
+  SolveRequest own = request;
+  Vector start;
+  if (own.start != nullptr && contacts_of_rows_) start = contacts_of_rows_->start(*own.start);
+  if (own.start != nullptr && contacts_of_rows_) own.start = &start;
+  if (reduction_ || (has_rows_ && !contacts_of_rows_)) own.start = nullptr;
+  on_solve(own, answer);
   if (is_equivalent_) return_to_given(answer);
   if (answer.claim != Claim::kUnsolvable) answer.farkas.resize(0);  // of a part, or of a method whose turn is over
   if (requires_proofs_ && answer.claim == Claim::kUnsolvable) withdraw_unproven(answer);
   if (reduction_) return_to_mixed(answer);
+  if (has_rows_) return_to_rows(answer);
   if (answer.claim == Claim::kNumericalFailure && answer.detail.empty()) {
     answer.detail = answer.z.allFinite() ? "found no answer that passes its test" : "its numbers became infinite";
   }

@@ -10,6 +10,7 @@
 
 namespace lcpbench {
 
+class ContactsOfRows;
 class LcpReduction;
 
 /// The statement of a solver about its own answer. Our own statement is the verdict of the evaluation.
@@ -111,11 +112,13 @@ struct Capabilities {
   Index max_entries = 0;          ///< of hard contacts: a larger n, if their matrices hold no more numbers
   bool compliance = false;        ///< takes soft contacts as they are; others get their rigid equivalent
   bool boxed = false;             ///< takes mixed LCPs as they are; others get their reduction to z >= 0
+  bool rows = false;              ///< takes bounded rows as they are; others get contacts, or a mixed LCP, in their place
   bool captured_only = false;     ///< needs the impulses of the engine that the problem was captured from
   const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words
   bool warm_start = false;        ///< SolveRequest::start is used
   bool obeys_time_limit = false;  ///< returns kTimeLimit by itself
-  bool allocation_free = false;   ///< solve() allocates nothing after load(), given an answer with memory
+  /// solve() allocates nothing after load(), given an answer with memory and a problem without bounded rows
+  bool allocation_free = false;
 };
 
 struct SolveRequest {
@@ -175,7 +178,9 @@ class Solver {
 
  private:
   void take(const Problem& problem, bool is_finite);
+  void take_without_rows(const Problem& problem, bool is_finite);
   void return_to_given(Answer& answer);
+  void return_to_rows(Answer& answer);
   void return_to_mixed(Answer& answer) const;
   void withdraw_unproven(Answer& answer) const;
 
@@ -185,6 +190,9 @@ class Solver {
   bool requires_proofs_ = false;
   Vector v_;                                       ///< of contacts, the velocity before the impact now
   std::shared_ptr<const LcpReduction> reduction_;  ///< of a mixed LCP
+  bool has_rows_ = false;  ///< with_rows_ is the problem that was given
+  Problem with_rows_;
+  std::shared_ptr<const ContactsOfRows> contacts_of_rows_;  ///< in their place; nullptr: a mixed LCP is
   AnswerVector other_velocity_;  ///< room for the velocity of problem_ or given_, whichever the answer does not hold
   std::string refusal_ = "nothing was loaded";
 };

@@ -5,7 +5,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kEngineSolverCapabilities{.needs = Needs::kFactored, .compliance = true, .captured_only = true};
+constexpr Capabilities kEngineSolverCapabilities{.needs = Needs::kFactored, .compliance = true, .rows = true, .captured_only = true};
 
 struct EngineSettings {
   FrictionModel model = FrictionModel::kPyramid;

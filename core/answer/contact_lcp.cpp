@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/answer/measures.h"
+#include "core/islands.h"
 
 namespace lcpbench {
 namespace {
@@ -36,7 +37,8 @@ ContactLcp::ContactLcp(const ContactProblem& problem, const RefinedInertia& iner
       inertia_(inertia),
       b_(problem.b.begin(), problem.b.end()),
       contacts_(static_cast<std::size_t>(problem.nc())),
-      layout_(contact_layout(problem)) {
+      layout_(contact_layout(problem)),
+      first_bounded_(static_cast<std::size_t>(layout_.row_offset())) {
   set_velocity(problem.v);
   add_columns();
   if (problem.is_soft()) soften();
@@ -64,6 +66,7 @@ std::pair<Index, Index> ContactLcp::friction_of_row(std::size_t i) const {
 }
 
 Quad ContactLcp::yielding(std::size_t i, const QuadVector& z) const {
+  if (is_bounded(i)) return Quad{problem_.rows.yields(number_of(i))} * z[i];
   if (i < contacts_) return soft_->normal(static_cast<Index>(i)) * z[i];
   const auto [contact, direction] = friction_of_row(i);
   const auto impulse = [&](Index j) { return z[static_cast<std::size_t>(j)]; };
@@ -72,8 +75,9 @@ Quad ContactLcp::yielding(std::size_t i, const QuadVector& z) const {
 
 /// A direction of friction is compared with the one that the problem says to be its negative.
 void ContactLcp::add_columns() {
-  const auto columns = static_cast<std::size_t>(problem_.nc() + cols(problem_.D));
-  const std::size_t nonzeros = count_nonzeros(problem_.N) + count_nonzeros(problem_.D);
+  const auto columns = static_cast<std::size_t>(problem_.nc() + cols(problem_.D) + problem_.rows.size());
+  const std::size_t of_rows = problem_.has_rows() ? count_nonzeros(problem_.rows.R) : 0;
+  const std::size_t nonzeros = count_nonzeros(problem_.N) + count_nonzeros(problem_.D) + of_rows;
   begin_.reserve(columns + 1);
   twin_.reserve(columns);
   rows_.resize(nonzeros);
@@ -92,6 +96,7 @@ void ContactLcp::add_columns() {
     }
     direction += edges;
   }
+  for (Index j = 0; j < problem_.rows.size(); ++j) add_column(problem_.rows.R, j);
 }
 
 void ContactLcp::add_column(const Jacobian& J, Index column) {
@@ -138,14 +143,7 @@ ContactScale<Number> ContactLcp::scale_in(std::span<const std::size_t> rows, std
   for (const std::size_t row : rows) {
     if (row >= impulses()) break;  // cone rows have no velocity
     if (is_twin(row)) continue;    // of the same magnitudes
-    const Entries of = entries(row);
-    Number velocity = 0, terms = 0;
-    for (std::size_t e = 0; e < of.count; ++e) {
-      const Number term = Number{of.values[e]} * velocity_(static_cast<Index>(of.rows[e]));
-      velocity += term;
-      terms += term < 0 ? -term : term;
-    }
-    scale.add_row(velocity, terms, static_cast<double>(of.count));
+    const Number velocity = add_velocity_before(row, Number{1}, scale);
     if (row >= contacts_) continue;
     const Number q = velocity + static_cast<Number>(offset(row));
     if (-q > scale.without) fastest = row;
@@ -154,9 +152,38 @@ ContactScale<Number> ContactLcp::scale_in(std::span<const std::size_t> rows, std
   return scale;
 }
 
+/// @returns J_i'v
+template <class Number>
+Number ContactLcp::add_velocity_before(std::size_t row, Number lever, ContactScale<Number>& scale) const {
+  const Entries of = entries(row);
+  Number velocity = 0, terms = 0;
+  for (std::size_t e = 0; e < of.count; ++e) {
+    const Number term = Number{of.values[e]} * velocity_(static_cast<Index>(of.rows[e]));
+    velocity += term;
+    terms += term < 0 ? -term : term;
+  }
+  scale.add_row(lever * velocity, lever * terms, static_cast<double>(of.count));
+  return velocity;
+}
+
+/// Bounded rows count by what they leave of their conditions without impulses.
+void ContactLcp::add_bounded_rows(std::span<const std::size_t> rows, ContactScale<Quad>& scale) {
+  const QuadVector none(size(), 0);
+  for (auto row = rows.rbegin(); row != rows.rend() && is_bounded(*row); ++row) {
+    const Quad factor = lever(*row), q = add_velocity_before(*row, factor, scale) + offset(*row);
+    scale.add_approach(-factor * bounded_residual(*row, none, q));
+  }
+}
+
 /// In double, and again in 113 bits where a floor or rounding may decide.
-Quad ContactLcp::scale(std::span<const std::size_t> rows, std::optional<Quad> without) const {
+Quad ContactLcp::scale(std::span<const std::size_t> rows, std::optional<Quad> without) {
   std::size_t fastest = 0;
+  if (is_bounded(rows.back())) {
+    auto scale = scale_in<Quad>(rows, fastest);
+    add_bounded_rows(rows, scale);
+    if (without) scale.without = *without;
+    return scale.value();
+  }
   const auto rough = scale_in<double>(rows, fastest);
   const double largest = without ? to_double(*without) : rough.without;
   const bool is_clear = largest > 2 * rough.floor() && rough.rounding < 0x1p-40 * largest && std::isfinite(largest);
@@ -167,16 +194,23 @@ Quad ContactLcp::scale(std::span<const std::size_t> rows, std::optional<Quad> wi
 }
 
 bool ContactLcp::at_rest(const QuadVector& z) const {
-  return std::all_of(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(impulses()),
-                     [](Quad impulse) { return impulse == 0; });
+  const auto is_zero = [](Quad impulse) { return impulse == 0; };
+  return std::all_of(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(impulses()), is_zero) &&
+         std::all_of(z.begin() + static_cast<std::ptrdiff_t>(first_bounded_), z.end(), is_zero);
+}
+
+Quad ContactLcp::offset_work(const QuadVector& z) const {
+  Quad work = 0;
+  for (std::size_t i = 0; i < b_.size(); ++i) work += b_[i] * z[i];
+  for (std::size_t i = first_bounded_; i < size(); ++i) work += offset(i) * z[i];
+  return work;
 }
 
 /// What each sum rounds off is added at the end. [Knuth 1998, 4.2.2]
 void ContactLcp::sum_impulses(const QuadVector& z, QuadVector& impulse) const {
   impulse.assign(v_.size(), 0);
   lost_.assign(v_.size(), 0);
-  for (std::size_t j = 0; j < impulses(); ++j) {
-    if (z[j] == 0) continue;
+  for_each_impulse(z, [&](std::size_t j) {
     const Entries of = entries(j);
     const Quad factor = is_twin(j) ? -z[j] : z[j];
     for (std::size_t e = 0; e < of.count; ++e) {
@@ -185,7 +219,7 @@ void ContactLcp::sum_impulses(const QuadVector& z, QuadVector& impulse) const {
       lost_[row] += (before - (sum - added)) + (term - added);
       impulse[row] = sum;
     }
-  }
+  });
   for (std::size_t row = 0; row < lost_.size(); ++row) {
     if (is_finite(lost_[row])) impulse[row] += lost_[row];
   }
@@ -193,11 +227,10 @@ void ContactLcp::sum_impulses(const QuadVector& z, QuadVector& impulse) const {
 
 QuadVector ContactLcp::generalized_impulse_scale(const QuadVector& z) const {
   QuadVector scale(v_.size(), 0);
-  for (std::size_t j = 0; j < impulses(); ++j) {
-    if (z[j] == 0) continue;
+  for_each_impulse(z, [&](std::size_t j) {
     const Entries of = entries(j);
     for (std::size_t e = 0; e < of.count; ++e) scale[of.rows[e]] += abs(of.values[e] * z[j]);
-  }
+  });
   return scale;
 }
 
@@ -230,9 +263,81 @@ Quad ContactLcp::diagonal_error(std::size_t i) const {
   return project_magnitudes(i, inertia_.solve_error(column));
 }
 
-Quad ContactLcp::residual_error(std::size_t i, const QuadVector& z, Quad w, const QuadVector& off) const {
+Quad ContactLcp::residual_error(std::size_t i, const QuadVector& z, Quad w, const QuadVector& off) {
+  if (is_bounded(i)) {  // f - lower and f - upper are no larger than this, if they are finite
+    const auto [lower, upper] = bounds(i, z);
+    const Quad largest = abs(z[i]) + (is_finite(lower) ? -lower : 0) + (is_finite(upper) ? upper : 0);
+    return lever(i) * (project_magnitudes(i, off) + (largest == 0 ? largest : largest * diagonal_error(i)));
+  }
   if (i >= impulses()) return w == 0 ? w : abs(w) * diagonal_error(normal_of_cone(i));
   return project_magnitudes(i, off) + (z[i] == 0 ? z[i] : abs(z[i]) * diagonal_error(i));
+}
+
+/// The lower one comes first also where a load is below zero.
+std::pair<Quad, Quad> ContactLcp::bounds(std::size_t i, const QuadVector& z) const {
+  const LcpBounds& bounds = problem_.rows.bounds;
+  const Index row = number_of(i);
+  const int of = bounds.friction_of[static_cast<std::size_t>(row)];
+  if (of < 0) return {bounds.lower(row), bounds.upper(row)};
+  const Quad limit = abs(bounds.mu(row) * z[first_bounded_ + static_cast<std::size_t>(of)]);
+  return {-limit, limit};
+}
+
+Quad ContactLcp::bounded_residual(std::size_t i, const QuadVector& z, Quad w) {
+  const auto [lower, upper] = bounds(i, z);
+  if (w == 0 && lower <= z[i] && z[i] <= upper) return 0;  // whatever M_ii is, which takes a solve
+  if (!is_finite(lower) && !is_finite(upper)) return abs(w);
+  const Quad to_lower = is_finite(lower) ? diagonal(i) * (z[i] - lower) : -lower;
+  const Quad to_upper = is_finite(upper) ? diagonal(i) * (z[i] - upper) : -upper;
+  const Quad least = w < to_lower ? w : to_lower;
+  return abs(least > to_upper ? least : to_upper);
+}
+
+Quad ContactLcp::lever(std::size_t i) {
+  if (problem_.rows.is_angle[static_cast<std::size_t>(number_of(i))] == 0) return 1;
+  if (levers_.empty()) find_levers();
+  return levers_[static_cast<std::size_t>(number_of(i))];
+}
+
+void ContactLcp::find_levers() {
+  const BoundedRows& bounded = problem_.rows;
+  const auto count = static_cast<std::size_t>(bounded.size());
+  levers_.assign(count, 1);
+  const auto is_angle = [&](std::size_t row) { return bounded.is_angle[row] != 0; };
+  IslandNumbers islands;
+  islands.find(problem_);
+  std::vector<QuadVector> of_contacts(static_cast<std::size_t>(islands.count)), of_rows = of_contacts;
+  const auto add = [&](Index island, std::size_t i, std::vector<QuadVector>& to) {
+    const Quad own = island < 0 ? Quad{0} : rigid_diagonal(i);
+    if (own > 0) to[static_cast<std::size_t>(island)].push_back(own);
+  };
+  for (std::size_t c = 0; c < contacts_; ++c) add(islands.of_contact[c], c, of_contacts);
+  for (std::size_t row = 0; row < count; ++row) {
+    if (!is_angle(row)) add(islands.of_row[row], first_bounded_ + row, of_rows);
+  }
+  const auto median = [](QuadVector numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    const std::size_t half = numbers.size() / 2;
+    return numbers.size() % 2 == 1 ? numbers[half] : (numbers[half - 1] + numbers[half]) / 2;
+  };
+  QuadVector response, moved;
+  for (std::size_t row = 0; row < count; ++row) {
+    const std::size_t i = first_bounded_ + row;
+    const Quad own = is_angle(row) ? rigid_diagonal(i) : Quad{0};
+    if (!(own > 0)) continue;
+    const auto island = static_cast<std::size_t>(islands.of_row[row]);
+    const Entries of = entries(i);
+    response.assign(v_.size(), 0);
+    for (std::size_t e = 0; e < of.count; ++e) response[of.rows[e]] = of.values[e];
+    inertia_.solve(response);
+    moved.clear();
+    for (std::size_t c = 0; c < contacts_; ++c) {
+      if (islands.of_contact[c] != islands.of_row[row] || project(c, response) == 0) continue;
+      if (const Quad of_contact = rigid_diagonal(c); of_contact > 0) moved.push_back(of_contact);
+    }
+    const QuadVector& others = !moved.empty() ? moved : !of_contacts[island].empty() ? of_contacts[island] : of_rows[island];
+    if (!others.empty()) levers_[row] = sqrt(median(others) / own);
+  }
 }
 
 Quad ContactLcp::cone_row(std::size_t i, const QuadVector& z) const {
@@ -245,8 +350,8 @@ Quad ContactLcp::cone_row(std::size_t i, const QuadVector& z) const {
 }
 
 void ContactLcp::complete(QuadVector& z, const QuadVector& u) const {
-  for (std::size_t i = impulses(); i < size(); ++i) {
-    const auto contact = static_cast<std::size_t>(layout_.cone_contact[i - impulses()]);
+  for (std::size_t i = impulses(); i < first_bounded_; ++i) {
+    const std::size_t contact = normal_of_cone(i);
     Quad largest = 0;
     for (Index t = layout_.friction_begin[contact]; t < layout_.friction_begin[contact + 1]; ++t) {
       const std::size_t row = contacts_ + static_cast<std::size_t>(t);
@@ -260,30 +365,28 @@ void ContactLcp::complete(QuadVector& z, const QuadVector& u) const {
 
 void ContactLcp::write_rows(const QuadVector& z, const QuadVector& u, QuadVector& w) const {
   w.resize(size());
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (i >= impulses()) {
-      w[i] = cone_row(i, z);
-    } else {
-      w[i] = is_twin(i) ? -w[twin_[i]] : sum_of(i, u) + offset(i);
-    }
-  }
+  for (std::size_t i = 0; i < impulses(); ++i) w[i] = is_twin(i) ? -w[twin_[i]] : sum_of(i, u) + offset(i);
+  for (std::size_t i = impulses(); i < first_bounded_; ++i) w[i] = cone_row(i, z);
   for (std::size_t i = 0; soft_ && i < impulses(); ++i) w[i] += yielding(i, z);
   for (std::size_t i = contacts_; i < impulses(); ++i) w[i] += z[lambda_of(i)];
+  for (std::size_t i = first_bounded_; i < size(); ++i) w[i] = velocity(i, z, u);
+}
+
+Quad ContactLcp::rigid_diagonal(std::size_t i) {
+  diagonals_.resize(twin_.size());
+  std::optional<Quad>& diagonal = diagonals_[twin_[column_of(i)]];
+  const Entries of = entries(i);
+  if (!diagonal) diagonal = inertia_.energy({of.rows, of.count}, of.values);
+  return *diagonal;
 }
 
 Quad ContactLcp::diagonal(std::size_t i) {
+  if (is_bounded(i)) return rigid_diagonal(i) + problem_.rows.yields(number_of(i));
   if (i >= impulses()) return 0;
-  diagonals_.resize(impulses());
-  std::optional<Quad>& diagonal = diagonals_[twin_[i]];
-  if (diagonal) return *diagonal;
-  const Entries of = entries(i);
-  diagonal = inertia_.energy({of.rows, of.count}, of.values);
-  if (soft_ && i < contacts_) *diagonal += soft_->normal(static_cast<Index>(i));
-  if (soft_ && i >= contacts_) {
-    const auto [contact, direction] = friction_of_row(i);
-    *diagonal += soft_->diagonal(contact, direction);
-  }
-  return *diagonal;
+  if (!soft_) return rigid_diagonal(i);
+  if (i < contacts_) return rigid_diagonal(i) + soft_->normal(static_cast<Index>(i));
+  const auto [contact, direction] = friction_of_row(i);
+  return rigid_diagonal(i) + soft_->diagonal(contact, direction);
 }
 
 }  // namespace lcpbench

@@ -34,7 +34,7 @@ void ContactResidual::complete(Vector& z, Point& point) const {
   point.z.assign(z.begin(), z.end());
   lcp->respond(point.z, point.u);
   lcp->complete(point.z, point.u);
-  for (std::size_t i = lcp->impulses(); i < lcp->size(); ++i) z(static_cast<Index>(i)) = to_double(point.z[i]);
+  for (std::size_t i = lcp->impulses(); i < lcp->first_bounded(); ++i) z(static_cast<Index>(i)) = to_double(point.z[i]);
   lcp->write_rows(point.z, point.u, point.w);
 }
 
@@ -56,6 +56,12 @@ const QuadVector& ContactResidual::scales(FrictionModel model) {
     scales.push_back(convex ? lcp->scale(rows_.rows(k), without_[k]) : lcp->scale(rows_.rows(k)));
   }
   return scales;
+}
+
+/// Of a bounded row.
+Quad ContactResidual::bounded_row(std::size_t row, const Point& point) {
+  const Quad residual = lcp->bounded_residual(row, point.z, point.w[row]);
+  return residual == 0 ? residual : finite_or_infinity(lcp->lever(row) * residual);
 }
 
 /// |min(M_ii z_i, w_i)|, of a cone row |min(lambda, M_nn w_i)|.
@@ -85,7 +91,7 @@ void ContactResidual::find_largest(FrictionModel model, const Point& point) {
   };
   if (model != FrictionModel::kPyramid) return for_each_row(model, point, note);
   for (const bool with_diagonal : {false, true}) {
-    for (std::size_t row = 0; row < lcp->size(); ++row) {
+    for (std::size_t row = 0; row < lcp->first_bounded(); ++row) {
       const auto index = static_cast<Index>(row);
       const Quad upper_bound = row < lcp->impulses() ? point.w[row] : point.z[row];
       const Quad factor = row < lcp->impulses() ? point.z[row] : point.w[row];  // of M_ii
@@ -93,6 +99,9 @@ void ContactResidual::find_largest(FrictionModel model, const Point& point) {
       if (needs_diagonal != with_diagonal || (needs_diagonal && upper_bound < largest_[island(index)])) continue;
       note(index, pyramid_row(row, point));
     }
+  }
+  for (std::size_t row = lcp->first_bounded(); row < lcp->size(); ++row) {
+    note(static_cast<Index>(row), bounded_row(row, point));
   }
 }
 

@@ -53,7 +53,8 @@ class ContactResidual {
   void complete(Vector& z, Point& point) const;
 
   /// The residual of each row that the model has: of the pyramid all, else the normal rows, and in place of each cone
-  /// row the residual of the cone. Of the convex model a contact with friction has no normal row.
+  /// row the residual of the cone. Of the convex model a contact with friction has no normal row. Bounded rows are the
+  /// same of all; those of angles count in m/s: see ContactLcp::lever().
   /// @pre lcp; cone unless the model is the pyramid
   template <class Visit>
   void for_each_row(FrictionModel model, const Point& point, Visit&& visit);
@@ -73,6 +74,7 @@ class ContactResidual {
 
  private:
   Quad pyramid_row(std::size_t row, const Point& point);
+  Quad bounded_row(std::size_t row, const Point& point);
   void find_largest(FrictionModel model, const Point& point);
   void measure_errors(const Point& point);
 
@@ -87,9 +89,12 @@ class ContactResidual {
 template <class Visit>
 void ContactResidual::for_each_row(FrictionModel model, const Point& point, Visit&& visit) {
   if (model == FrictionModel::kPyramid) {
-    for (std::size_t row = 0; row < lcp->size(); ++row) visit(static_cast<Index>(row), pyramid_row(row, point));
-    return;
+    for (std::size_t row = 0; row < lcp->first_bounded(); ++row) visit(static_cast<Index>(row), pyramid_row(row, point));
   }
+  for (std::size_t row = lcp->first_bounded(); row < lcp->size(); ++row) {
+    visit(static_cast<Index>(row), bounded_row(row, point));
+  }
+  if (model == FrictionModel::kPyramid) return;
   const ContactLayout& layout = lcp->layout();
   const bool convex = model == FrictionModel::kConvex;
   for (Index contact = 0; contact < layout.nc; ++contact) {

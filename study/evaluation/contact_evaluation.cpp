@@ -38,7 +38,8 @@ bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   const auto& [z, u, w] = point;
   const ContactLcp& lcp = *contact_.lcp;
   const bool pyramid = model == FrictionModel::kPyramid;
-  errors.min_z = answer.z.size() == 0 ? 0 : answer.z.minCoeff();
+  const auto one_sided = static_cast<Index>(lcp.first_bounded());  // rows of z >= 0
+  errors.min_z = one_sided == 0 ? 0 : answer.z.head(one_sided).minCoeff();
   const ContactResidual::Worst worst = contact_.worst(model, point);
   if (!worst.is_resolved) return false;
   errors.velocity_residual_m_per_s = to_double(worst.residual);
@@ -54,11 +55,13 @@ bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   Quad violation = 0, cone_violation = 0;
   for (std::size_t i = 0; i < lcp.contacts(); ++i) violation = larger(violation, -w[i]);
   if (pyramid) {
-    for (std::size_t i = lcp.impulses(); i < lcp.size(); ++i) cone_violation = larger(cone_violation, -w[i]);
-    Quad natural = 0;
-    for (std::size_t i = 0; i < z.size(); ++i) natural = larger(natural, row_residual(z[i], w[i]));
-    errors.natural_residual = to_double(natural);
-    errors.complementarity_j = to_double(complementarity(z, w));
+    for (std::size_t i = lcp.impulses(); i < lcp.first_bounded(); ++i) cone_violation = larger(cone_violation, -w[i]);
+    if (!contact_.problem.has_rows()) {
+      Quad natural = 0;
+      for (std::size_t i = 0; i < z.size(); ++i) natural = larger(natural, row_residual(z[i], w[i]));
+      errors.natural_residual = to_double(natural);
+      errors.complementarity_j = to_double(complementarity(z, w));
+    }
     errors.forward_velocity = forward_velocity(u);
   } else {
     for (Index contact = 0; contact < contact_.problem.nc(); ++contact) {
@@ -70,10 +73,9 @@ bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   errors.violation_m_per_s = to_double(violation);
   errors.cone_violation = to_double(cone_violation);
   errors.work_gain_j = work_gain(point);
-  Quad work = 0;  // that a solution may gain by the offsets of its rows
-  for (std::size_t i = 0; i < lcp.offsets(); ++i) work -= lcp.offset(i) * z[i];
+  const double work = -to_double(lcp.offset_work(z));  // that a solution may gain by the offsets of its rows
   errors.criterion =
-      errors.work_gain_j - to_double(work) < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
+      errors.work_gain_j - work < kCriterionWork && errors.violation_m_per_s < kCriterionViolation;
   return ReturnedVelocity(contact_, z, u).measure(answer.velocity, errors);
 }
 
@@ -86,7 +88,7 @@ WorstRow ContactEvaluation::describe(const ContactResidual::Worst& worst, Fricti
                      .w = to_double(point.w[row]),
                      .residual = to_double(worst.of_row),
                      .scale = to_double(worst.scale)};
-  if (worst.row < layout.lambda_offset()) return worst_row;
+  if (worst.row < layout.lambda_offset() || worst.row >= layout.row_offset()) return worst_row;
   const Index contact = layout.cone_contact[static_cast<std::size_t>(worst.row - layout.lambda_offset())];
   if (model == FrictionModel::kPyramid) {
     const auto first = point.w.begin() + layout.friction_offset();
@@ -144,10 +146,11 @@ double ContactEvaluation::forward_velocity(const QuadVector& velocity) const {
 /// in the velocity. Impulses outside of their cones are first shortened, and the change of velocity is added.
 ///
 /// Infinite where a contact without compliance has a lack, and where G is not proven positive definite. NaN for more
-/// than 4 edges, whose directions are sums of the tangents only to rounding.
+/// than 4 edges, whose directions are sums of the tangents only to rounding, and with bounded rows.
 double ContactEvaluation::optimum_distance(const Vector& impulses) {
   constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   const ContactProblem& problem = contact_.problem;
+  if (problem.has_rows()) return Errors::kNone;
   const auto has_more_edges = [](int edges) { return edges > 4; };
   if (std::any_of(problem.edges.begin(), problem.edges.end(), has_more_edges)) return Errors::kNone;
   if (!contact_.lcp || !contact_.inertia.has_inertia() || !proven_positive_definite()) return kUnbounded;

@@ -26,8 +26,30 @@ Truth bare_truth(const Lcp& lcp) {
   return proven_positive_definite(symmetric, 1) ? Truth::kSolvable : Truth::kUnknown;
 }
 
+/// Whether no impulses without end are missing the offset of a bounded row: it yields, its impulse has two bounds, or
+/// the offset is zero, or of the sign in which a limit opens.
+bool rest_satisfies(const BoundedRows& rows, Index row) {
+  const int load = rows.bounds.friction_of[static_cast<std::size_t>(row)];
+  if (rows.yields(row) > 0 || (load >= 0 && rows.yields(load) > 0) || rows.offset(row) == 0) return true;
+  if (load >= 0) return std::isfinite(rows.bounds.upper(load));
+  return rows.offset(row) > 0 ? std::isfinite(rows.bounds.lower(row)) : std::isfinite(rows.bounds.upper(row));
+}
+
+bool every_row_yields(const BoundedRows& rows) {
+  for (Index row = 0; row < rows.size(); ++row) {
+    const int load = rows.bounds.friction_of[static_cast<std::size_t>(row)];
+    const Index of = load < 0 ? row : Index{load};
+    const bool is_finite = std::isfinite(rows.bounds.lower(of)) && std::isfinite(rows.bounds.upper(of));
+    if (!(rows.yields(row) > 0 || rows.yields(of) > 0 || is_finite)) return false;
+  }
+  return true;
+}
+
 /// Whether bodies at rest satisfy each contact, whatever impulses it takes: the same theorem with a regular G.
 bool rest_satisfies(const ContactProblem& problem) {
+  for (Index row = 0; row < problem.rows.size(); ++row) {
+    if (!rest_satisfies(problem.rows, row)) return false;
+  }
   for (Index i = 0; i < problem.nc(); ++i) {
     if (problem.normal_compliance(i) > 0) continue;
     const bool has_tangential_offset = problem.tangential_offset(i, 0) != 0 || problem.tangential_offset(i, 1) != 0;
@@ -132,7 +154,7 @@ Truth Evaluator::truth() const {
   if (data_->problem.contact() == nullptr) return bare_truth(data_->problem.lcp());
   const ContactProblem& problem = *data_->problem.contact();
   if (!(problem.mu.array() >= 0).all()) return Truth::kUnknown;
-  if (every_contact_yields(problem) && has_semidefinite_response(problem.inertia)) return Truth::kSolvable;
+  if (every_contact_yields(problem) && every_row_yields(problem.rows) && has_semidefinite_response(problem.inertia)) return Truth::kSolvable;
   if (!rest_satisfies(problem)) return Truth::kUnknown;
   return data_->contact->proven_positive_definite() ? Truth::kSolvable : Truth::kUnknown;
 }

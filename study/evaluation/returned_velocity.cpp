@@ -94,20 +94,22 @@ const ReturnedVelocity::ImpulseScale& ReturnedVelocity::impulse_scale() {
     for (IslandImpulses& island : scale.islands) island.size = sqrt(island.energy);
   }
   const ContactLayout& layout = contact_.lcp->layout();
+  const auto add = [&](Index number, Index row) {
+    const auto j = static_cast<std::size_t>(row);
+    if (number < 0 || z_[j] == 0) return;
+    IslandImpulses& island = scale.islands[static_cast<std::size_t>(number + 1)];
+    island.size += sqrt(contact_.lcp->diagonal(j)) * abs(z_[j]);
+    ++island.count;
+  };
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto at = static_cast<std::size_t>(contact);
-    if (scale.numbers.of_contact[at] < 0) continue;
-    IslandImpulses& island = scale.islands[static_cast<std::size_t>(scale.numbers.of_contact[at] + 1)];
-    const auto add = [&](Index row) {
-      const auto j = static_cast<std::size_t>(row);
-      if (z_[j] == 0) return;
-      island.size += sqrt(contact_.lcp->diagonal(j)) * abs(z_[j]);
-      ++island.count;
-    };
-    add(contact);
+    add(scale.numbers.of_contact[at], contact);
     for (Index d = layout.friction_begin[at]; d < layout.friction_begin[at + 1]; ++d) {
-      add(layout.friction_offset() + d);
+      add(scale.numbers.of_contact[at], layout.friction_offset() + d);
     }
+  }
+  for (Index row = 0; row < layout.rows; ++row) {
+    add(scale.numbers.of_row[static_cast<std::size_t>(row)], layout.row_offset() + row);
   }
   return scale;
 }

@@ -55,6 +55,7 @@ std::vector<double> contact_residuals(const ContactProblem& problem, const Vecto
   if (!point.is_finite()) return none;
   std::vector<double> residuals(problem.edges.size(), 0);
   contacts.for_each_row(model, point, [&](Index row, Quad residual) {
+    if (contacts.lcp->is_bounded(static_cast<std::size_t>(row))) return;
     double& worst = residuals[static_cast<std::size_t>(contacts.lcp->contact_of(row))];
     worst = std::max(worst, to_double(residual));
   });
