@@ -611,8 +611,22 @@ bool Judge::is_exact_solution(const Integers& numerators, const Integer& denomin
   DyadicVector z;
   for (const Integer& numerator : numerators) z.emplace_back(numerator, 0);
   const DyadicVector w = data_->complement(z, Dyadic(denominator, 0));
+  const Dyadic scale(denominator, 0);
   for (std::size_t i = 0; i < z.size(); ++i) {
-    if (z[i].sign() < 0 || w[i].sign() < 0 || (z[i].sign() > 0 && w[i].sign() > 0)) return false;
+    std::optional<Dyadic> lower = Dyadic(), upper;
+    if (data_->mixed) {
+      const double least = data_->bounds.lower(static_cast<Index>(i)), most = data_->bounds.upper(static_cast<Index>(i));
+      if (!std::isfinite(least)) lower.reset();
+      if (std::isfinite(least)) lower = Dyadic(least) * scale;
+      if (std::isfinite(most)) upper = Dyadic(most) * scale;
+      if (const int of = data_->bounds.friction_of[i]; of >= 0) {
+        upper = Dyadic(data_->bounds.mu(static_cast<Index>(i))) * z[at(of)];
+        lower = -*upper;
+      }
+    }
+    if ((lower && z[i] < *lower) || (upper && *upper < z[i])) return false;
+    const bool is_above = !lower || *lower < z[i], is_below = !upper || z[i] < *upper;
+    if ((is_above && w[i].sign() > 0) || (is_below && w[i].sign() < 0)) return false;
   }
   return true;
 }

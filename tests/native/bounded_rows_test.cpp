@@ -21,6 +21,9 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 /// The numbers of a case are short fractions: what is left are a few roundings.
 constexpr double kRounding = 1e-12;
 
+/// What solvers may leave of an answer of size one.
+constexpr double kFound = 1e-8;
+
 using Numbers = std::vector<double>;
 
 struct Row {
@@ -513,6 +516,50 @@ TEST_F(BoundedRowsTest, TheRightImpulsesSolveTheMixedLcp) {
       EXPECT_GE(error(Vector::Zero(right.z.size())), 1e-2);
     }
   });
+}
+
+TEST_F(BoundedRowsTest, TheVerdictIsSolvedAndDoingNothingIsAsBadAsCanBe) {
+  for_each_form([](const Solved& right) {
+    const Problem problem("mechanism", right.problem);
+    Evaluator evaluator(problem);
+    Answer answer;
+    answer.claim = Claim::kSolved;
+    answer.z = right.z;
+    answer.velocity = right.after;
+    const Errors errors = evaluator.errors(answer);
+    EXPECT_TRUE(errors.solved);
+    EXPECT_LE(errors.velocity_residual_relative, kRounding);
+    if (!right.moves) return;
+    answer.z = Vector::Zero(right.z.size());
+    answer.velocity.resize(0);
+    EXPECT_NEAR(evaluator.errors(answer).velocity_residual_relative, 1, kRounding);
+  });
+}
+
+TEST_F(BoundedRowsTest, NativeSolversFindTheVelocity) {
+  for (const std::string& name : testing::native_solvers()) {
+    SCOPED_TRACE(name);
+    const auto solver = make_solver(parse_spec(name));
+    int taken = 0, claimed = 0;
+    for_each_form([&](const Solved& right) {
+      const Problem problem("mechanism", right.problem);
+      if (!why_not(solver->capabilities(), problem).empty()) return;
+      ++taken;
+      solver->load(problem);
+      const Answer answer = testing::solve(*solver);
+      if (name == "auto") EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+      if (answer.claim != Claim::kSolved) return;
+      ++claimed;
+      const Vector velocity =
+          answer.velocity.size() > 0 ? Vector(answer.velocity) : post_impact_velocity(right.problem, answer.z);
+      EXPECT_LE((velocity - right.after).lpNorm<Eigen::Infinity>(), kFound);
+      if (!right.impulses_are_unique) return;
+      const Index nc = right.problem.nc(), m = right.problem.rows.size();
+      EXPECT_LE((answer.z.head(nc) - right.z.head(nc)).lpNorm<Eigen::Infinity>(), kFound);
+      EXPECT_LE((answer.z.tail(m) - right.z.tail(m)).lpNorm<Eigen::Infinity>(), kFound);
+    });
+    std::printf("%s: %d taken, %d claimed\n", name.c_str(), taken, claimed);
+  }
 }
 
 }  // namespace
