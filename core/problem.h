@@ -17,7 +17,7 @@ const char* to_string(ProblemKind kind);
 
 /// What the engine of a captured step found.
 struct EngineAnswer {
-  Vector impulses;  ///< f_N of each contact, then f_D of each friction direction [N s]
+  Vector impulses;  ///< f_N of each contact, f_D of each friction direction, f_R of each bounded row
   double solve_s = std::numeric_limits<double>::quiet_NaN();  ///< that its own solver took; NaN: not known
   std::string engine;                                         ///< name and version; "": not known
 };

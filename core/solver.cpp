@@ -48,6 +48,12 @@ void for_each_array(const Problem& problem, const Visit& visit) {
   }
   for_each_array(contact->N, visit);
   for_each_array(contact->D, visit);
+  if (contact->has_rows()) {
+    for_each_array(contact->rows.R, visit);
+    for (const Vector* vector : {&contact->rows.b, &contact->rows.compliance, &contact->rows.bounds.mu}) {
+      if (vector->size() > 0) visit(vector->data(), vector->size());
+    }
+  }
   for_each_matrix(contact->inertia, [&](const Matrix& matrix, Index) { visit(matrix.data(), matrix.size()); });
   const auto* factors = std::get_if<FactoredInertia>(&contact->inertia);
   if (factors != nullptr) visit(factors->alpha.data(), factors->alpha.size());

@@ -18,9 +18,12 @@ void fields(auto& io, Is<DenseInertia> auto& inertia) { io(inertia.G); }
 void fields(auto& io, Is<BlockInertia> auto& inertia) { io(inertia.blocks); }
 void fields(auto& io, Is<FactoredInertia> auto& inertia) { io(inertia.alpha, inertia.X); }
 void fields(auto& io, Is<InverseInertia> auto& inertia) { io(inertia.Ginv); }
+void fields(auto& io, Is<BoundedRows> auto& rows) {
+  io(rows.R, rows.bounds, rows.b, rows.compliance, rows.is_angle, rows.names);
+}
 void fields(auto& io, Is<ContactProblem> auto& contact) {
   io(contact.v, contact.mu, contact.edges, contact.N, contact.D, contact.inertia, contact.b, contact.compliance_n,
-     contact.compliance_t, contact.offset_t);
+     contact.compliance_t, contact.offset_t, contact.rows);
 }
 void fields(auto& io, Is<MatrixFormation> auto& formation) { io(formation.plain_inverse, formation.cone_diagonal); }
 void fields(auto& io, Is<RigidBody> auto& body) {

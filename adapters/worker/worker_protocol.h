@@ -17,7 +17,7 @@
 namespace lcpbench::worker {
 
 /// Raised with every change of the messages: a worker with another version is refused, not misread.
-inline constexpr std::uint64_t kVersion = 10;
+inline constexpr std::uint64_t kVersion = 11;
 inline constexpr std::size_t kFrameBytes = 4 * sizeof(std::uint64_t);
 /// Whether a worker's memory is limited: not under sanitizers, whose shadow is terabytes of address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -49,11 +49,8 @@ class Checker {
     finite(lcp.M, "M");
     finite(lcp.q, "q");
     if (!lcp.is_mixed()) return;
-    size(lcp.bounds.lower, lcp.size(), "lower");
-    size(lcp.bounds.upper, lcp.size(), "upper");
-    size(lcp.bounds.mu, lcp.size(), "mu");
-    size(Vector(static_cast<Index>(lcp.bounds.friction_of.size())), lcp.size(), "friction_of");
-    for (Index i = 0; i < lcp.size(); ++i) bounds(lcp.bounds, i);
+    sizes(lcp.bounds, lcp.size(), "");
+    for (Index i = 0; i < lcp.size(); ++i) bounds(lcp.bounds, i, "");
   }
 
   void contacts(const ContactProblem& problem) const {
@@ -72,6 +69,7 @@ class Checker {
     jacobian(problem.N, problem.ngc(), problem.nc(), "N");
     jacobian(problem.D, problem.ngc(), contact_layout(problem).friction, "D");
     pairs(problem);
+    bounded_rows(problem.rows, problem.ngc());
     inertia(problem.inertia, problem.ngc());
   }
 
@@ -80,6 +78,16 @@ class Checker {
     for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
       rigid_contact(scene, scene.contacts[i], entry_name("contacts", i));
     }
+  }
+
+  /// At most kMaxNameBytes of UTF-8 without control characters.
+  void text(std::string_view value, const std::string& field) const {
+    if (value.size() > kMaxNameBytes) {
+      fail(field + ": " + std::to_string(value.size()) + " bytes long, at most " + std::to_string(kMaxNameBytes) +
+           " are allowed");
+    }
+    if (!is_utf8(value)) fail(field + ": not UTF-8");
+    if (printable(value) != visible(value)) fail(field + ": has a control character");
   }
 
  private:
@@ -114,37 +122,75 @@ class Checker {
     fail(field + ": " + std::to_string(rows) + " x " + std::to_string(cols) + ", expected " +
          std::to_string(expected_rows) + " x " + std::to_string(expected_cols));
   }
-  void size(const Vector& values, Index expected, const std::string& field) const {
-    if (values.size() == expected) return;
-    fail(field + ": " + count_of(values.size(), "entry") + ", expected " + std::to_string(expected));
+  template <class Values>
+  void size(const Values& values, Index expected, const std::string& field) const {
+    const auto found = static_cast<Index>(values.size());
+    if (found != expected) fail(field + ": " + count_of(found, "entry") + ", expected " + std::to_string(expected));
+  }
+
+  /// @param path  stands before the fields' names
+  void sizes(const LcpBounds& bounds, Index expected, const std::string& path) const {
+    size(bounds.lower, expected, path + "lower");
+    size(bounds.upper, expected, path + "upper");
+    size(bounds.mu, expected, path + "mu");
+    size(bounds.friction_of, expected, path + "friction_of");
   }
 
   /// Of row i. Its friction cannot be limited by an unknown that may be negative, or is limited itself.
-  void bounds(const LcpBounds& bounds, Index i) const {
+  void bounds(const LcpBounds& bounds, Index i, const std::string& path) const {
     const auto at = static_cast<std::size_t>(i);
+    const auto name = [&](const char* field) { return entry_name(path + field, at); };
     const int of = bounds.friction_of[at];
     const double lower = bounds.lower(i);
     const double upper = bounds.upper(i);
-    if (of < -1) wrong(entry_name("friction_of", at), std::to_string(of), "the index of another row, or null");
+    if (of < -1) wrong(name("friction_of"), std::to_string(of), "the index of another row, or null");
     if (of < 0) {
       constexpr double kNone = std::numeric_limits<double>::infinity();
-      if (lower != -kNone) finite(lower, entry_name("lower", at));
-      if (upper != kNone) finite(upper, entry_name("upper", at));
-      if (lower > upper) {
-        wrong(entry_name("lower", at), format_real(lower), "at most upper, " + format_real(upper));
-      }
+      if (lower != -kNone) finite(lower, name("lower"));
+      if (upper != kNone) finite(upper, name("upper"));
+      if (lower > upper) wrong(name("lower"), format_real(lower), "at most upper, " + format_real(upper));
       return;
     }
     if (of >= bounds.lower.size() || of == i) {
-      wrong(entry_name("friction_of", at), std::to_string(of), "the index of another row");
+      wrong(name("friction_of"), std::to_string(of), "the index of another row");
     }
     if (bounds.friction_of[static_cast<std::size_t>(of)] >= 0 || !(bounds.lower(of) >= 0)) {
-      fail(entry_name("friction_of", at) + ": row " + std::to_string(of) + " needs a lower bound >= 0 of its own");
+      fail(name("friction_of") + ": row " + std::to_string(of) + " needs a lower bound >= 0 of its own");
     }
     if (std::isfinite(lower) || std::isfinite(upper)) {
-      fail(entry_name(std::isfinite(lower) ? "lower" : "upper", at) + ": given, but friction_of bounds this row");
+      fail(name(std::isfinite(lower) ? "lower" : "upper") + ": given, but friction_of bounds this row");
     }
-    friction_coefficient(bounds.mu(i), 2, entry_name("mu", at));
+    friction_coefficient(bounds.mu(i), 2, name("mu"));
+  }
+
+  void bounded_rows(const BoundedRows& rows, Index ngc) const {
+    const Index count = rows.size();
+    if (count == 0 && cols(rows.R) == 0) return;
+    jacobian(rows.R, ngc, count, "rows.R");
+    sizes(rows.bounds, count, "rows.");
+    if (rows.b.size() > 0) size(rows.b, count, "rows.b");
+    finite(rows.b, "rows.b");
+    if (rows.compliance.size() > 0) size(rows.compliance, count, "rows.compliance");
+    size(rows.is_angle, count, "rows.unit");
+    if (!rows.names.empty()) size(rows.names, count, "rows.names");
+    for (std::size_t i = 0; i < rows.names.size(); ++i) text(rows.names[i], entry_name("rows.names", i));
+    for (Index i = 0; i < count; ++i) {
+      if (rows.bounds.friction_of[static_cast<std::size_t>(i)] < 0) zero_is_allowed(rows, i);
+      bounds(rows.bounds, i, "rows.");
+      compliance(rows.yields(i), entry_name("rows.compliance", static_cast<std::size_t>(i)));
+    }
+  }
+
+  /// Its impulse may be zero, and something else.
+  void zero_is_allowed(const BoundedRows& rows, Index i) const {
+    const double lower = rows.bounds.lower(i), upper = rows.bounds.upper(i);
+    if (lower <= 0 && upper >= 0 && lower < upper) return;
+    const auto at = static_cast<std::size_t>(i);
+    const bool named = at < rows.names.size() && !rows.names[at].empty();
+    const std::string name = named ? " (" + rows.names[at] + ")" : "";
+    if (!(lower <= 0)) wrong(entry_name("rows.lower", at) + name, format_real(lower), "at most 0");
+    if (!(upper >= 0)) wrong(entry_name("rows.upper", at) + name, format_real(upper), "at least 0");
+    fail(entry_name("rows.lower", at) + name + " and the upper bound are 0: the row has no effect, leave it out");
   }
 
   /// Square, of finite numbers, and symmetric.
@@ -365,12 +411,7 @@ std::string count_of(Index count, const std::string& singular) {
 
 void check_name(std::string_view name, const std::string& origin) {
   if (name.empty()) throw input_error(origin, "name: empty");
-  if (name.size() > kMaxNameBytes) {
-    throw input_error(origin, "name: " + std::to_string(name.size()) + " bytes long, at most " +
-                                  std::to_string(kMaxNameBytes) + " are allowed");
-  }
-  if (!is_utf8(name)) throw input_error(origin, "name: not UTF-8");
-  if (printable(name) != visible(name)) throw input_error(origin, "name: has a control character");
+  Checker(origin).text(name, "name");
 }
 
 std::string problem_name_of_file(const std::string& file) {

@@ -12,7 +12,7 @@
 // (row, value) of the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia
 // blocks and the block diagonal matrix, because a problem file does not tell them apart either. Last come offsets,
 // compliances and tangential offsets, each list with a tag and only if one of its values is not zero; its size follows
-// from the contacts; and the bounds of a mixed LCP.
+// from the contacts; then the bounds of a mixed LCP, or the bounded rows of a contact problem, if it has any.
 
 namespace lcpbench {
 namespace {
@@ -29,6 +29,7 @@ enum class Tag : std::uint64_t {
   kTangentialCompliance = 9,
   kTangentialOffset = 10,
   kBounds = 11,
+  kRows = 12,
 };
 
 class WordHash {
@@ -122,6 +123,25 @@ void add_optional(WordHash& hash, Tag tag, Index count, ValueOf&& value_of) {
   for (Index i = 0; i < count; ++i) hash.real(value_of(i) + 0.0);  // a negative zero is zero
 }
 
+void add(WordHash& hash, const LcpBounds& bounds) {
+  for (Index i = 0; i < bounds.lower.size(); ++i) {
+    const int of = bounds.friction_of[static_cast<std::size_t>(i)];
+    hash.index(of);
+    hash.real((of >= 0 ? bounds.mu(i) : bounds.lower(i)) + 0.0);
+    if (of < 0) hash.real(bounds.upper(i) + 0.0);
+  }
+}
+
+/// Their names are no data.
+void add(WordHash& hash, const BoundedRows& rows) {
+  hash.tag(Tag::kRows);
+  std::visit([&](const auto& matrix) { add(hash, matrix); }, rows.R);
+  add(hash, rows.bounds);
+  for (const char is_angle : rows.is_angle) hash.index(is_angle != 0 ? 1 : 0);
+  add_optional(hash, Tag::kOffset, rows.b.size(), rows.b);
+  add_optional(hash, Tag::kNormalCompliance, rows.compliance.size(), rows.compliance);
+}
+
 void add(WordHash& hash, const ContactProblem& problem) {
   hash.tag(Tag::kContact);
   add(hash, problem.v);
@@ -138,6 +158,7 @@ void add(WordHash& hash, const ContactProblem& problem) {
   add_optional(hash, Tag::kNormalCompliance, problem.compliance_n.size(), problem.compliance_n);
   add_optional(hash, Tag::kTangentialCompliance, problem.compliance_t.size(), problem.compliance_t);
   add_optional(hash, Tag::kTangentialOffset, problem.offset_t.size(), problem.offset_t);
+  if (problem.has_rows()) add(hash, problem.rows);
 }
 
 void add(WordHash& hash, const RigidScene& scene) {
@@ -175,12 +196,7 @@ void add(WordHash& hash, const Lcp& lcp) {
   add(hash, lcp.q);
   if (!lcp.is_mixed()) return;
   hash.tag(Tag::kBounds);
-  for (Index i = 0; i < lcp.size(); ++i) {
-    const int of = lcp.bounds.friction_of[static_cast<std::size_t>(i)];
-    hash.index(of);
-    hash.real((of >= 0 ? lcp.bounds.mu(i) : lcp.bounds.lower(i)) + 0.0);
-    if (of < 0) hash.real(lcp.bounds.upper(i) + 0.0);
-  }
+  add(hash, lcp.bounds);
 }
 
 }  // namespace

@@ -157,6 +157,58 @@ std::array<std::pair<const char*, Vector*>, 4> optional_vectors(ContactProblem& 
            {"offset_t", &problem.offset_t}}};
 }
 
+/// Rows of friction have the bounds of friction alone; of others a lower bound that is not given is 0.
+LcpBounds read_bounds(const JsonObject& reader, Index n) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  LcpBounds bounds = LcpBounds::nonnegative(n);
+  if (reader.given("friction_of")) {
+    bounds.friction_of = reader.integers("friction_of", reader.vector_with_nulls("friction_of", n, -1));
+    const Vector mu = reader.vector_with_nulls("mu", n, -1);
+    for (Index i = 0; i < n; ++i) {
+      const bool friction = bounds.friction_of[static_cast<std::size_t>(i)] >= 0;
+      if (friction) bounds.mu(i) = mu(i);
+      if (friction) bounds.lower(i) = -kNone;
+    }
+  } else if (reader.given("mu")) {
+    reader.fail("friction_of", ": missing; it belongs to mu");
+  }
+  for (const auto& [field, values, none] :
+       {std::tuple{"lower", &bounds.lower, -kNone}, std::tuple{"upper", &bounds.upper, kNone}}) {
+    if (reader.given(field)) *values = reader.vector_with_nulls(field, n, none);
+  }
+  return bounds;
+}
+
+/// For each row whether it is "rad"; of the rows that have no unit none is.
+std::vector<char> read_units(const JsonObject& reader, Index count) {
+  std::vector<char> is_angle(static_cast<std::size_t>(count), 0);
+  if (!reader.given("unit")) return is_angle;
+  is_angle.clear();
+  for (const std::string& unit : reader.texts("unit")) {
+    if (unit != "m" && unit != "rad") {
+      reader.fail(entry_name("unit", is_angle.size()), ": " + in_quotes(unit) + ", expected 'm' or 'rad'");
+    }
+    is_angle.push_back(unit == "rad" ? 1 : 0);
+  }
+  return is_angle;
+}
+
+BoundedRows read_rows(const JsonObject& reader, Index ngc) {
+  reader.only({"R", "b", "compliance", "lower", "upper", "friction_of", "mu", "unit", "names"});
+  for (const char* field : {"R", "lower", "upper"}) reader.value(field);
+  BoundedRows rows;
+  const Index of_lower = static_cast<Index>(reader.value("lower").size());
+  const Index count = jacobian_columns(reader, "R").value_or(of_lower);
+  rows.R = read_jacobian(reader, "R", ngc, count);
+  rows.bounds = read_bounds(reader, count);
+  rows.bounds.drop_huge();
+  if (reader.given("b")) rows.b = reader.vector("b");
+  if (reader.given("compliance")) rows.compliance = reader.vector("compliance");
+  rows.is_angle = read_units(reader, count);
+  if (reader.given("names")) rows.names = reader.texts("names");
+  return rows;
+}
+
 ContactProblem read_contact(const JsonObject& reader, const std::string& origin) {
   check_all_or_none(reader, {"D", "edges", "mu"});
   ContactProblem problem;
@@ -175,34 +227,16 @@ ContactProblem read_contact(const JsonObject& reader, const std::string& origin)
   for (const auto& [field, values] : optional_vectors(problem)) {
     if (reader.given(field)) *values = reader.vector(field);
   }
+  if (reader.given("rows")) problem.rows = read_rows(reader.inside("rows"), problem.ngc());
   check_contact(problem, origin);
   // Vectors of zeros have no effect; without them has_offset() and is_soft() are false.
   for (const auto& [field, values] : optional_vectors(problem)) {
     if (values->isZero(0)) values->resize(0);
   }
+  for (Vector* values : {&problem.rows.b, &problem.rows.compliance}) {
+    if (values->isZero(0)) values->resize(0);
+  }
   return problem;
-}
-
-/// Rows of friction have the bounds of friction alone; of others a lower bound that is not given is 0.
-void read_bounds(const JsonObject& reader, Lcp& lcp) {
-  const Index n = lcp.size();
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  LcpBounds& bounds = lcp.bounds = LcpBounds::nonnegative(n);
-  if (reader.given("friction_of")) {
-    bounds.friction_of = reader.integers("friction_of", reader.vector_with_nulls("friction_of", n, -1));
-    const Vector mu = reader.vector_with_nulls("mu", n, -1);
-    for (Index i = 0; i < n; ++i) {
-      const bool friction = bounds.friction_of[static_cast<std::size_t>(i)] >= 0;
-      if (friction) bounds.mu(i) = mu(i);
-      if (friction) bounds.lower(i) = -kNone;
-    }
-  } else if (reader.given("mu")) {
-    reader.fail("friction_of", ": missing; it belongs to mu");
-  }
-  for (const auto& [field, values, none] :
-       {std::tuple{"lower", &bounds.lower, -kNone}, std::tuple{"upper", &bounds.upper, kNone}}) {
-    if (reader.given(field)) *values = reader.vector_with_nulls(field, n, none);
-  }
 }
 
 Lcp read_lcp(const JsonObject& reader, const std::string& origin) {
@@ -211,7 +245,7 @@ Lcp read_lcp(const JsonObject& reader, const std::string& origin) {
   lcp.M = reader.matrix("M", lcp.size(), lcp.size());
   const auto given = [&](const char* field) { return reader.given(field); };
   constexpr std::array kBounds{"lower", "upper", "friction_of", "mu"};
-  if (std::any_of(kBounds.begin(), kBounds.end(), given)) read_bounds(reader, lcp);
+  if (std::any_of(kBounds.begin(), kBounds.end(), given)) lcp.bounds = read_bounds(reader, lcp.size());
   lcp.dropped_bounds = lcp.bounds.drop_huge();
   check_lcp(lcp, origin);
   lcp.bounds.simplify();
@@ -244,7 +278,7 @@ Problem problem_of_json(const Json& json, const std::string& origin) {
   }
   if (kind == "contact") {
     reader.only({"format", "version", "name", "kind", "v", "N", "D", "edges", "mu", "b", "G", "G_blocks", "G_factors",
-                 "Ginv", "compliance_n", "compliance_t", "offset_t"},
+                 "Ginv", "compliance_n", "compliance_t", "offset_t", "rows"},
                 of);
     return Problem(name, read_contact(reader, origin));
   }

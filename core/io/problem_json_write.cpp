@@ -142,6 +142,18 @@ void add_bounds(const LcpBounds& bounds, Json& json) {
   }
 }
 
+Json bounded_rows(const BoundedRows& rows, bool sparse) {
+  Json json = {{"R", jacobian(rows.R, sparse)}};
+  add_bounds(rows.bounds, json);
+  add_optional("b", rows.b, json);
+  add_optional("compliance", rows.compliance, json);
+  if (std::ranges::any_of(rows.is_angle, [](char angle) { return angle != 0; })) {
+    for (const char angle : rows.is_angle) json["unit"].push_back(angle != 0 ? "rad" : "m");
+  }
+  if (!rows.names.empty()) json["names"] = rows.names;
+  return json;
+}
+
 void add_contact(const ContactProblem& problem, bool sparse, Json& json) {
   json["v"] = list(problem.v);
   json["N"] = jacobian(problem.N, sparse);
@@ -156,6 +168,7 @@ void add_contact(const ContactProblem& problem, bool sparse, Json& json) {
   add_optional("compliance_t", problem.compliance_t, json);
   add_optional("offset_t", problem.offset_t, json);
   add_inertia(problem.inertia, sparse, json);
+  if (problem.has_rows()) json["rows"] = bounded_rows(problem.rows, sparse);
 }
 
 Json body(const RigidBody& body) {
@@ -197,7 +210,7 @@ double numbers_if_dense(const Problem& problem) {
   if (contact == nullptr) return n * (n + 1);
   const auto* factors = std::get_if<FactoredInertia>(&contact->inertia);
   const Index of_inertia = factors != nullptr ? factors->X.cols() : contact->ngc();
-  const auto columns = static_cast<double>(cols(contact->N) + cols(contact->D) + of_inertia);
+  const auto columns = static_cast<double>(cols(contact->N) + cols(contact->D) + cols(contact->rows.R) + of_inertia);
   return static_cast<double>(contact->ngc()) * (columns + 3);  // v stands for the rows of a D that is left out
 }
 

@@ -97,7 +97,7 @@ void read_extras(const JsonObject& reader, SceneStep& step) {
   const JsonObject engine = reader.inside("engine");
   engine.only({"impulses", "velocity", "solve_s"});
   if (engine.given("impulses")) {
-    step.engine_impulses = engine.vector("impulses", contact.nc() + cols(contact.D));
+    step.engine_impulses = engine.vector("impulses", contact.nc() + cols(contact.D) + contact.rows.size());
   }
   if (engine.given("solve_s")) {
     step.engine_solve_s = engine.number("solve_s");

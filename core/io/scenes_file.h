@@ -58,7 +58,7 @@ struct SceneStep {
   std::vector<std::vector<double>> poses;  ///< by SceneShape::body: position [m] and quaternion (w, x, y, z), or empty
   /// Of each contact point [m], normal and tangent, in the world: 9 numbers, or none where it has no place.
   std::vector<std::vector<double>> contact_frames;
-  Vector engine_impulses;                  ///< the engine's [N s]: f_N, then f_D; read() also sets them in `problem`
+  Vector engine_impulses;                  ///< the engine's: f_N, f_D, f_R; read() also sets them in `problem`
   std::optional<double> engine_solve_s;    ///< [s] that the engine's own solver took
   Vector engine_velocity;                  ///< the engine's own velocity after the step [m/s, rad/s]: ngc entries
   /// How the problem differs from the step that the engine took, each as "what: how many".

@@ -88,7 +88,7 @@ void check_extras(const SceneStep& step) {
   for (const std::vector<double>& pose : step.poses) check("poses", pose, 7);
   check_count("contact_frames", static_cast<Index>(step.contact_frames.size()), contact->nc());
   for (const std::vector<double>& frame : step.contact_frames) check("contact_frames", frame, 9);
-  check("engine.impulses", numbers(step.engine_impulses), contact->nc() + cols(contact->D));
+  check("engine.impulses", numbers(step.engine_impulses), contact->nc() + cols(contact->D) + contact->rows.size());
   check("engine.velocity", numbers(step.engine_velocity), contact->ngc());
   check_count("contact_ids", static_cast<Index>(step.contact_ids.size()), contact->nc());
   for (const auto& [field, texts] : {std::pair{"contact_ids", &step.contact_ids}, std::pair{"notes", &step.notes}}) {

@@ -47,6 +47,17 @@ ContactProblem contact(Jacobian N, Jacobian D, Inertia inertia) {
           .b = Eigen::Vector3d(0.125, 0.0, -2.0)};
 }
 
+ContactProblem with_rows(ContactProblem problem) {
+  problem.rows = {.R = sparse_numbered(6, 2),
+                  .bounds = LcpBounds::nonnegative(2),
+                  .b = numbered(2, 1),
+                  .compliance = numbered(2, 1),
+                  .is_angle = {0, 1},
+                  .names = {"", "hinge"}};
+  problem.rows.bounds.friction_of[1] = 0;
+  return problem;
+}
+
 RigidScene scene() {
   RigidScene result;
   result.bodies.resize(2);
@@ -70,6 +81,7 @@ std::vector<Problem> problems_of_every_kind() {
           Problem("sparse", contact(sparse_numbered(6, 3), sparse_numbered(6, 6),
                                     BlockInertia{{numbered(2, 2), numbered(3, 3), numbered(1, 1)}})),
           Problem("factors", contact(numbered(6, 3), numbered(6, 6), FactoredInertia{numbered(6, 4), numbered(4, 1)})),
+          Problem("rows", with_rows(contact(numbered(6, 3), numbered(6, 6), DenseInertia{G}))),
           Problem("scene", scene())};
 }
 
@@ -115,6 +127,20 @@ TEST(WorkerProtocolTest, RequestsOfEveryKindArriveBitForBit) {
     EXPECT_EQ(parsed.problem.kind(), problem.kind());
     EXPECT_EQ(parsed.problem.size(), problem.size());
   }
+}
+
+TEST(WorkerProtocolTest, BoundedRowsArriveWhole) {
+  const Problem given("rows", with_rows(contact(numbered(6, 3), numbered(6, 6), DenseInertia{Matrix::Identity(6, 6)})));
+  const Problem parsed = parse_request(write_request(request_for(given))).problem;
+  const BoundedRows &rows = parsed.contact()->rows, &expected = given.contact()->rows;
+  EXPECT_EQ(to_dense(rows.R), to_dense(expected.R));
+  EXPECT_EQ(rows.bounds.lower, expected.bounds.lower);
+  EXPECT_EQ(rows.bounds.upper, expected.bounds.upper);
+  EXPECT_EQ(rows.bounds.friction_of, expected.bounds.friction_of);
+  EXPECT_EQ(rows.b, expected.b);
+  EXPECT_EQ(rows.compliance, expected.compliance);
+  EXPECT_EQ(rows.is_angle, expected.is_angle);
+  EXPECT_EQ(rows.names, expected.names);
 }
 
 TEST(WorkerProtocolTest, RequestsCutShortAreRefused) {

@@ -21,6 +21,14 @@ const std::string kContact = R"({"format": "lcpbench-problem", "version": 1, "na
                              R"( "v": [1, -2], "N": [[1, 0], [0.5, 1]], "D": [[1, 0, -1, 0], [0.25, 1, -0.25, -1]],)"
                              R"( "edges": [0, 4], "mu": [0, 0.5], "G": [[2, 0.5], [0.5, 1]]})";
 
+// A hinge without bounds, a limit, and friction of its load.
+const std::string kRows = R"({"format": "lcpbench-problem", "version": 1, "name": "arm", "kind": "contact",)"
+                          R"( "v": [1, -2], "N": [[1], [0.5]], "G": [[2, 0.5], [0.5, 1]],)"
+                          R"( "rows": {"R": [[1, 0, 1], [0, 1, 1]], "lower": [null, 0, null],)"
+                          R"( "upper": [null, null, null], "b": [0, 1, 0], "compliance": [0.5, 0, 0],)"
+                          R"( "friction_of": [null, null, 1], "mu": [null, null, 0.25], "unit": ["m", "rad", "m"],)"
+                          R"( "names": ["hinge", "stop", ""]}})";
+
 const std::string kScene =
     R"({"format": "lcpbench-problem", "version": 1, "name": "ball", "kind": "scene",)"
     R"( "bodies": [{"mass": 2, "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "position": [0, 0, 1],)"
@@ -54,7 +62,7 @@ void expect_errors(const std::vector<BadFile>& files) {
 }
 
 TEST(ProblemErrorsTest, TheUnchangedFilesAreGood) {
-  for (const std::string& text : {kLcp, kContact, kScene}) EXPECT_EQ(error_of(text), "no error");
+  for (const std::string& text : {kLcp, kContact, kRows, kScene}) EXPECT_EQ(error_of(text), "no error");
 }
 
 TEST(ProblemErrorsTest, Header) {
@@ -145,6 +153,51 @@ TEST(ProblemErrorsTest, Bounds) {
   });
 }
 
+TEST(ProblemErrorsTest, BoundedRows) {
+  const auto with = [](const std::string& from, const std::string& to) { return replaced(kRows, from, to); };
+  const std::string lower = R"("lower": [null, 0, null])", upper = R"("upper": [null, null, null])";
+  const std::string friction_of = R"("friction_of": [null, null, 1])";
+  EXPECT_EQ(error_of(with(lower, R"("lower": [-1e20, -0, null])")), "no error");
+  expect_errors({
+      {with(R"("rows": {)", R"("rows": [{}], "r": {)"), "unknown field 'r' of kind 'contact'"},
+      {with(R"("rows": {)", R"("rows": {"N": [], )"), "rows: unknown field 'N'"},
+      {with(R"("R": [[1, 0, 1], [0, 1, 1]], )", ""), "rows.R: missing"},
+      {with(lower + ",", ""), "rows.lower: missing"},
+      {with(upper + ",", ""), "rows.upper: missing"},
+      {with("[0, 1, 1]", "[0, 1]"), "rows.R: row 1 has 2 entries, expected 3"},
+      {with(", [0, 1, 1]]", "]"), "rows.R: 1 row, expected 2"},
+      {with("[[1, 0, 1], [0, 1, 1]]", R"({"starts": [0, 1, 2, 3], "rows": [0, 2, 1], "values": [1, 1, 1]})"),
+       "rows.R.rows[1] is 2, expected 0 to 1"},
+      {with(lower, R"("lower": [null, 0])"), "rows.lower: 2 entries, expected 3"},
+      {with(lower, R"("lower": [null, 0.5, null])"), "rows.lower[1] (stop) is 0.5, expected at most 0"},
+      {with(upper, R"("upper": [-2, null, null])"), "rows.upper[0] (hinge) is -2, expected at least 0"},
+      {with(upper, R"("upper": [null, 0, null])"),
+       "rows.lower[1] (stop) and the upper bound are 0: the row has no effect, leave it out"},
+      {with(upper, R"("upper": [null, null, 3])"), "rows.upper[2]: given, but friction_of bounds this row"},
+      {with(lower, R"("lower": [null, 0, -1])"), "rows.lower[2]: given, but friction_of bounds this row"},
+      {with(lower, R"("lower": [null, -1, null])"),
+       "rows.friction_of[2]: row 1 needs a lower bound >= 0 of its own"},
+      {with(friction_of, R"("friction_of": [null, null, 3])"),
+       "rows.friction_of[2] is 3, expected the index of another row"},
+      {with(friction_of, R"("friction_of": [null, null, 2])"),
+       "rows.friction_of[2] is 2, expected the index of another row"},
+      {with(friction_of, R"("friction_of": [2, null, 1])"),
+       "rows.friction_of[0]: row 2 needs a lower bound >= 0 of its own"},
+      {with(friction_of + ", ", ""), "rows.friction_of: missing; it belongs to mu"},
+      {with(R"("mu": [null, null, 0.25], )", ""), "rows.mu: missing"},
+      {with("0.25]", "-0.25]"), "rows.mu[2] is -0.25, expected >= 0"},
+      {with("[0, 1, 0]", "[0, 1]"), "rows.b: 2 entries, expected 3"},
+      {with("[0.5, 0, 0]", "[0.5]"), "rows.compliance: 1 entry, expected 3"},
+      {with("[0.5, 0, 0]", "[0.5, -1, 0]"), "rows.compliance[1] is -1, expected a number >= 0"},
+      {with(R"("rad")", R"("deg")"), "rows.unit[1]: 'deg', expected 'm' or 'rad'"},
+      {with(R"("unit": ["m", )", R"("unit": [)"), "rows.unit: 2 entries, expected 3"},
+      {with(R"("stop", "")", R"("stop")"), "rows.names: 2 entries, expected 3"},
+      {with("stop", std::string(1001, 'x')), "rows.names[1]: 1001 bytes long, at most 1000 are allowed"},
+      {with("stop", "st\\u0007op"), "rows.names[1]: has a control character"},
+      {with(R"("kind": "contact")", R"("kind": "lcp")"), "unknown field 'v' of kind 'lcp'"},
+  });
+}
+
 TEST(ProblemErrorsTest, Friction) {
   expect_errors({
       {replaced(kContact, "[0, 4]", "[0, 3]"), "edges[1] is 3, expected an even number >= 0"},
@@ -225,7 +278,7 @@ TEST(ProblemErrorsTest, BrokenText) {
 }
 
 TEST(ProblemErrorsTest, EveryTruncationIsToldAsSuch) {
-  for (const std::string& whole : {kLcp, kContact, kScene}) {
+  for (const std::string& whole : {kLcp, kContact, kRows, kScene}) {
     for (std::size_t length = 1; length < whole.size(); ++length) {
       const std::string error = error_of(whole.substr(0, length));
       EXPECT_TRUE(error.starts_with("box.json: truncated: the file ends at "))

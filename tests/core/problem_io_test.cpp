@@ -134,6 +134,23 @@ Lcp mixed_problem() {
   return lcp;
 }
 
+/// An equality, a soft brake, a limit, and friction of that.
+ContactProblem problem_with_rows() {
+  ContactProblem problem = frictional_problem();
+  BoundedRows& rows = problem.rows;
+  rows.R = Matrix{{1, 0, 0.1, -0.0}, {0, 5e-324, 1, 0}, {-1, 1, 0, 1}};
+  rows.bounds = LcpBounds::nonnegative(4);
+  rows.bounds.lower = Vector{{-INFINITY, -0.1, 0, -INFINITY}};
+  rows.bounds.upper = Vector{{INFINITY, 1e-300, INFINITY, INFINITY}};
+  rows.bounds.friction_of[3] = 2;
+  rows.bounds.mu(3) = 0.3;
+  rows.b = Vector{{0.5, -0.0, 0, 1}};
+  rows.compliance = Vector{{0, 0.001, 0, 0}};
+  rows.is_angle = {0, 1, 1, 0};
+  rows.names = {"weld", "", "limit \"a\"", "screw"};
+  return problem;
+}
+
 std::vector<Problem> problems_of_every_kind() {
   std::vector<Problem> problems;
   problems.emplace_back("lcp", Lcp{Matrix{{2, 1}, {1, 2}}, Vector{{-5, -6}}});
@@ -147,6 +164,7 @@ std::vector<Problem> problems_of_every_kind() {
   inverse.inertia = InverseInertia{Matrix{{1, 1, 0}, {1, 1, 0}, {0, 0, 2}}};
   problems.emplace_back("inverse", inverse);
   problems.emplace_back("scene", scene());
+  problems.emplace_back("rows", problem_with_rows());
   ContactProblem offset = frictional_problem();
   offset.b = Vector{{0.1, -0.0}};
   problems.emplace_back("offset", offset);
@@ -210,6 +228,50 @@ TEST_F(ProblemIoTest, BoundsOfEveryLcpAreNone) {
   const Lcp friction = with(R"(,"friction_of":[null,0],"mu":[null,0.5])").lcp();
   EXPECT_EQ(friction.bounds.lower(1), -INFINITY);
   EXPECT_EQ(friction.bounds.mu, (Vector{{0, 0.5}}));
+}
+
+TEST_F(ProblemIoTest, BoundedRowsComeBackDenseAndSparse) {
+  ContactProblem sparse = problem_with_rows();
+  sparse.rows.R = SparseMatrix(to_dense(sparse.rows.R).sparseView(0, 0));
+  for (const bool dense : {true, false}) {
+    const Problem given("rows", dense ? problem_with_rows() : sparse);
+    const Problem again = parse_problem_json(problem_json_line(given, dense), "line");
+    const BoundedRows &rows = again.contact()->rows, &expected = given.contact()->rows;
+    EXPECT_EQ(std::holds_alternative<Matrix>(rows.R), dense);
+    EXPECT_EQ(to_dense(rows.R), to_dense(expected.R));
+    EXPECT_EQ(rows.bounds.lower, expected.bounds.lower);
+    EXPECT_EQ(rows.bounds.upper, expected.bounds.upper);
+    EXPECT_EQ(rows.bounds.friction_of, expected.bounds.friction_of);
+    EXPECT_EQ(rows.bounds.mu, expected.bounds.mu);
+    EXPECT_EQ(rows.b, expected.b);
+    EXPECT_EQ(rows.compliance, expected.compliance);
+    EXPECT_EQ(rows.is_angle, expected.is_angle);
+    EXPECT_EQ(rows.names, expected.names);
+    EXPECT_EQ(again.size(), given.size());
+  }
+}
+
+TEST_F(ProblemIoTest, RowsWithoutOptionalFieldsAreInMetres) {
+  const auto with = [](const std::string& rows) {
+    return parse_problem_json(
+        R"({"format":"lcpbench-problem","version":1,"name":"p","kind":"contact","v":[1],"N":[[]],"G":[[1]],"rows":)" +
+            rows + "}",
+        "p.json");
+  };
+  const BoundedRows rows = with(R"({"R":[[1,2]],"lower":[-1e20,-1],"upper":[null,1e20],"b":[0,0],"compliance":[0,-0]})")
+                               .contact()
+                               ->rows;
+  EXPECT_TRUE(rows.bounds.is_free(0));
+  EXPECT_EQ(rows.bounds.upper(1), INFINITY);
+  EXPECT_EQ(rows.is_angle, (std::vector<char>{0, 0}));
+  EXPECT_EQ(rows.b.size() + rows.compliance.size(), 0);
+  EXPECT_TRUE(rows.names.empty());
+  const std::string none = problem_hash(with(R"({"R":[[]],"lower":[],"upper":[]})"));
+  ContactProblem alone;
+  alone.v = Vector{{1}};
+  alone.N = alone.D = Matrix(1, 0);
+  alone.inertia = DenseInertia{Matrix{{1}}};
+  EXPECT_EQ(none, problem_hash(Problem("p", alone)));
 }
 
 /// As OSQP and Siconos write infinity.
@@ -334,6 +396,15 @@ TEST_F(ProblemIoTest, WhatCouldNotBeReadBackIsNotWritten) {
             "bad: M: entry (0, 0) is nan, expected a finite number");
   EXPECT_EQ(error_of_writing(Problem("bad", Lcp{Matrix{{1}}, Vector{{INFINITY}}})),
             "bad: q[0] is inf, expected a finite number");
+  ContactProblem rows = problem_with_rows();
+  rows.rows.is_angle.pop_back();
+  EXPECT_EQ(error_of_writing(Problem("bad", rows)), "bad: rows.unit: 3 entries, expected 4");
+  rows = problem_with_rows();
+  rows.rows.bounds.upper(0) = nan;
+  EXPECT_EQ(error_of_writing(Problem("bad", rows)), "bad: rows.upper[0] (weld) is nan, expected at least 0");
+  rows = problem_with_rows();
+  rows.rows.names[1] = "\xff";
+  EXPECT_EQ(error_of_writing(Problem("bad", rows)), "bad: rows.names[1]: not UTF-8");
   EXPECT_EQ(error_of_writing(Problem("", Lcp{Matrix{{1}}, Vector{{1}}})), "unnamed problem: name: empty");
   EXPECT_EQ(error_of_writing(Problem("\xff", Lcp{Matrix{{1}}, Vector{{1}}})), "?: name: not UTF-8");
 }
@@ -369,6 +440,26 @@ TEST_F(ProblemIoTest, TheHashSeesEveryNumberAndShape) {
   EXPECT_TRUE(mixed_differs([](LcpBounds& bounds) { bounds.friction_of[2] = 1; }));
   EXPECT_TRUE(mixed_differs([](LcpBounds& bounds) { bounds.mu(2) = 0.5; }));
 
+  const std::string of_rows = problem_hash(Problem("p", problem_with_rows()));
+  EXPECT_NE(of_rows, hash);
+  const auto rows_differ = [&](auto&& change) {
+    ContactProblem changed = problem_with_rows();
+    change(changed.rows);
+    return problem_hash(Problem("p", changed)) != of_rows;
+  };
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { std::get<Matrix>(rows.R)(0, 0) = 2; }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { rows.bounds.lower(1) = -1; }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { rows.bounds.upper(2) = 1; }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { rows.bounds.friction_of[3] = -1; }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { rows.bounds.mu(3) = 0.5; }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { rows.b(0) = 0; }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { rows.compliance.resize(0); }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { std::swap(rows.b, rows.compliance); }));
+  EXPECT_TRUE(rows_differ([](BoundedRows& rows) { rows.is_angle[0] = 1; }));
+  EXPECT_FALSE(rows_differ([](BoundedRows& rows) { rows.names.clear(); }));
+  EXPECT_FALSE(rows_differ([](BoundedRows& rows) { rows.names[0] = "joint"; }));
+  EXPECT_FALSE(rows_differ([](BoundedRows& rows) { rows.b(1) = 0; }));
+
   const Matrix zeros = Matrix::Zero(2, 2);
   EXPECT_NE(problem_hash(Problem("p", Lcp{zeros, Vector::Zero(2)})),
             problem_hash(Problem("p", Lcp{Matrix::Zero(1, 1), Vector::Zero(1)})));
@@ -378,6 +469,8 @@ TEST_F(ProblemIoTest, TheHashIsTheSameOnEveryMachine) {
   EXPECT_EQ(problem_hash(Problem("lcp", Lcp{Matrix{{2, 1}, {1, 2}}, Vector{{-5, -6}}})),
             "8697c7ded0555d6add8be16b7d3463cc");
   EXPECT_EQ(problem_hash(Problem("scene", scene())), "246b85ab7e9cb572b9172871b069210f");
+  EXPECT_EQ(problem_hash(Problem("contact", frictional_problem())), "35c2f2686fc92dfe191539276bc7de39");
+  EXPECT_EQ(problem_hash(Problem("rows", problem_with_rows())), "e7acc8f12bdaec48ec85c2d09ae8703e");
 }
 
 TEST_F(ProblemIoTest, TheHashDoesNotSeeHowMatricesAreStored) {
@@ -389,6 +482,11 @@ TEST_F(ProblemIoTest, TheHashDoesNotSeeHowMatricesAreStored) {
   ContactProblem sparse = dense;
   sparse.inertia = BlockInertia{{G.topLeftCorner(2, 2), G.bottomRightCorner(1, 1)}};
   sparse.N = SparseMatrix(to_dense(dense.N).sparseView());
+  dense.rows = problem_with_rows().rows;
+  sparse.rows = dense.rows;
+  SparseMatrix R = to_dense(dense.rows.R).sparseView(0, 0);
+  R.coeffRef(0, 3) = -0.0;  // which sparseView() leaves out
+  sparse.rows.R = R;
   EXPECT_EQ(problem_hash(Problem("p", sparse)), problem_hash(Problem("p", dense)));
   expect_round_trip(Problem("p", sparse));
 }

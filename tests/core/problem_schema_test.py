@@ -48,6 +48,17 @@ def bad_documents(good):
     yield "friction of row -2", changed(mixed, [None, -2], "friction_of")
     for field in ("v", "N", "D", "edges", "mu", "G"):
         yield f"contact without {field}", deleted(frictional, field)
+    rows = good["rows"]
+    for field in ("R", "lower", "upper", "friction_of", "mu"):
+        yield f"rows without {field}", deleted(rows, "rows", field)
+    yield "rows of scenes", changed(scene, rows["rows"], "rows")
+    yield "unknown field of rows", changed(rows, 1, "rows", "extra")
+    yield "lower bound above 0", changed(rows, 1, "rows", "lower", 0)
+    yield "upper bound below 0", changed(rows, -1, "rows", "upper", 0)
+    yield "negative compliance of rows", changed(rows, -1, "rows", "compliance", 0)
+    yield "unknown unit", changed(rows, "deg", "rows", "unit", 0)
+    yield "names of numbers", changed(rows, 1, "rows", "names", 0)
+    yield "control character in a row's name", changed(rows, "a\nb", "rows", "names", 0)
     for field in ("mass", "inertia", "position", "linear_velocity", "angular_velocity"):
         yield f"body without {field}", deleted(scene, "bodies", 0, field)
     for field in ("body_a", "body_b", "point", "normal", "tangent", "mu", "edges"):

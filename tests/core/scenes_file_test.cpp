@@ -291,6 +291,22 @@ TEST_F(ScenesFileTest, ErrorsNameFileLineAndField) {
             "line 2: engine.impulses: 0 entries, expected 1");
 }
 
+TEST_F(ScenesFileTest, AnEngineHasAnImpulseForEachBoundedRow) {
+  const std::string with_rows = replaced(plain_line(3), ",\"G_blocks\"",
+                                         R"(,"rows":{"R":[[1,0],[0,1]],"lower":[null,-1],"upper":[null,1]},"G_blocks")");
+  const auto line = [&](const std::string& impulses) {
+    return with_rows.substr(0, with_rows.size() - 1) + R"(,"engine":{"impulses":)" + impulses + "}}";
+  };
+  EXPECT_EQ(error_of_line(line("[1]")), "line 2: engine.impulses: 1 entry, expected 3");
+  EXPECT_EQ(error_of_line(line("[1,2,3]")), "no error");
+  write(kHeader + "\n" + line("[1,2,3]"));
+  SceneStep step = ScenesFile(path()).read(0);
+  EXPECT_EQ(*step.problem.engine_impulses(), (Vector{{1, 2, 3}}));
+  EXPECT_EQ(complete_impulses(*step.problem.contact(), step.engine_impulses), (Vector{{1, 2, 3}}));
+  step.engine_impulses = Vector::Zero(1);
+  EXPECT_EQ(error_of([&] { scenes_line(step); }), "step 3: engine.impulses: 1 entry, expected 3");
+}
+
 TEST_F(ScenesFileTest, WhatIsNoScenesFileIsSaid) {
   const auto opened = [&](const std::string& bytes) {
     const std::string file = write(bytes);

@@ -183,6 +183,21 @@ TEST(SolverTest, RefusalsAtTheSolveHoldNoAnswer) {
   EXPECT_EQ(answer.farkas.size(), 0);
 }
 
+struct BoundedRow {
+  double R = 1, b = 0, compliance = 0, mu = 0;
+};
+
+ContactProblem particle_with(const BoundedRow& row) {
+  ContactProblem problem = *frictional_particle().contact();
+  problem.rows.R = Matrix::Constant(problem.ngc(), 1, row.R);
+  problem.rows.bounds = LcpBounds::nonnegative(1);
+  problem.rows.bounds.mu(0) = row.mu;
+  problem.rows.b = Vector::Constant(1, row.b);
+  problem.rows.compliance = Vector::Constant(1, row.compliance);
+  problem.rows.is_angle = {0};
+  return problem;
+}
+
 TEST(SolverTest, NaNAndInfinityAreRefused) {
   Echo echo;
   Answer answer;
@@ -191,6 +206,13 @@ TEST(SolverTest, NaNAndInfinityAreRefused) {
     echo.solve({}, answer);
     EXPECT_EQ(answer.claim, Claim::kUnsupported);
     EXPECT_EQ(answer.detail, "the data hold NaN or infinity");
+    for (double BoundedRow::* field : {&BoundedRow::R, &BoundedRow::b, &BoundedRow::compliance, &BoundedRow::mu}) {
+      BoundedRow row;
+      row.*field = bad;
+      echo.load(Problem("bad", particle_with(row)));
+      echo.solve({}, answer);
+      EXPECT_EQ(answer.detail, "the data hold NaN or infinity");
+    }
   }
 }
 

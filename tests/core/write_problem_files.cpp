@@ -29,6 +29,21 @@ ContactProblem one_contact(Inertia inertia, bool friction) {
   return problem;
 }
 
+/// A row of every kind: with two bounds, without any, with one, and of friction.
+ContactProblem with_rows(ContactProblem problem) {
+  problem.rows.R = Matrix{{1, 0, 1, 0}, {0, 1, -0.5, 2}};
+  problem.rows.bounds = LcpBounds::nonnegative(4);
+  problem.rows.bounds.lower = Vector{{-0.25, -INFINITY, 0, -INFINITY}};
+  problem.rows.bounds.upper(0) = 0.5;
+  problem.rows.bounds.friction_of[3] = 2;
+  problem.rows.bounds.mu(3) = 0.5;
+  problem.rows.b = Vector{{0.1, 0, -1, 0}};
+  problem.rows.compliance = Vector{{0, 1e-3, 0, 0}};
+  problem.rows.is_angle = {0, 1, 0, 0};
+  problem.rows.names = {"friction", "hinge", "", "screw"};
+  return problem;
+}
+
 RigidScene two_bodies() {
   RigidScene scene;
   scene.bodies.resize(2);
@@ -91,6 +106,7 @@ void write_all(const fs::path& folder) {
   write("factored", one_contact(FactoredInertia{Matrix{{1}, {2}}, Vector{{0.5}}}, true));
   write("inverse", one_contact(InverseInertia{unit}, true));
   write("blocks", one_contact(BlockInertia{{unit}}, true));
+  write("rows", with_rows(one_contact(DenseInertia{unit}, true)));
   write("scene", two_bodies());
   write("scene-empty", RigidScene{});
   write("sparse", sparse_contact());
