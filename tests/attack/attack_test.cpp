@@ -1,7 +1,9 @@
 // What the attack takes for the truth. That its judge is right, the attack itself compares with the evaluation.
 #include <gtest/gtest.h>
 
+#include "core/answer/lcp_error.h"
 #include "core/io/problem_io.h"
+#include "tests/attack/judge.h"
 #include "tests/attack/problems.h"
 #include "tests/attack/truth.h"
 
@@ -79,6 +81,25 @@ TEST(AttackTest, KnowsTheTruthOfContacts) {
        }) {
     EXPECT_EQ(truth_of("contact", known).truth, known.truth) << known.data;
   }
+}
+
+// Small integers leave no doubt: an exact solution, rounded, passes in exact arithmetic and as a mixed LCP in double.
+TEST(AttackTest, ExactSolutionsWithBoundedRowsPass) {
+  int solvable = 0, unsolvable = 0, unknown = 0;
+  for (std::uint64_t index = 0; index < 450; ++index) {
+    const Problem problem = generate(Family::kRows, 15, index);
+    const ExactTruth truth = exact_truth(problem);
+    ++(truth.truth == Truth::kSolvable ? solvable : truth.truth == Truth::kUnsolvable ? unsolvable : unknown);
+    if (truth.truth != Truth::kSolvable) continue;
+    const Judge judge(problem);
+    EXPECT_TRUE(judge.solves(truth.z)) << problem.name() << ": " << judge.measure();
+    EXPECT_LE(judge.measure(), 1e-7) << problem.name();  // roundings of 1e-16 m/s over a scale of 1e-8 m/s
+    const std::vector<double> z(truth.z.begin(), truth.z.end());
+    EXPECT_LE(lcp_error(form_lcp(*problem.contact()), z).backward, 1e-12) << problem.name();
+  }
+  EXPECT_GE(solvable, 300);
+  EXPECT_GE(unsolvable, 50);
+  EXPECT_LE(unknown, 4);
 }
 
 std::string hash_of_first(Family family, std::uint64_t count) {

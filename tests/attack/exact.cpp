@@ -218,16 +218,16 @@ std::vector<Index> independent_columns(const DyadicMatrix& A) {
 }
 
 Inequalities::Inequalities(const DyadicMatrix& rows) : row_count_(rows.rows), column_count_(rows.cols - 1) {
-  std::vector<long> column_exponent(at(rows.cols), 0);  // that of b stays zero
+  column_exponent_.assign(at(rows.cols), 0);
   for (Index j = 1; j < rows.cols; ++j) {
     std::vector<Dyadic> column;
     for (Index i = 0; i < rows.rows; ++i) column.push_back(rows(i, j));
-    column_exponent[at(j)] = least_exponent(column);
+    column_exponent_[at(j)] = least_exponent(column);
   }
   for (Index i = 0; i < rows.rows; ++i) {
     std::vector<Dyadic> row;
     for (Index j = 0; j < rows.cols; ++j) {
-      row.emplace_back(rows(i, j).numerator(), rows(i, j).exponent() - column_exponent[at(j)]);
+      row.emplace_back(rows(i, j).numerator(), rows(i, j).exponent() - column_exponent_[at(j)]);
     }
     const long exponent = least_exponent(row);
     Integers& scaled = dictionary_.emplace_back();
@@ -304,6 +304,14 @@ bool Inequalities::feasible() {
 int Inequalities::sign(Index variable) const {
   const auto found = std::find(basic_.begin(), basic_.end(), variable);
   return found == basic_.end() ? 0 : dictionary_[static_cast<std::size_t>(found - basic_.begin())].front().sign();
+}
+
+Dyadic Inequalities::value(Index variable) const {
+  const auto found = std::find(basic_.begin(), basic_.end(), variable);
+  if (found == basic_.end()) return {};
+  const Integer& scaled = dictionary_[static_cast<std::size_t>(found - basic_.begin())].front();
+  const bool is_row = variable < row_count_;
+  return {scaled, is_row ? row_exponent_[at(variable)] : -column_exponent_[at(variable - row_count_ + 1)]};
 }
 
 DyadicVector Inequalities::contradiction() const {

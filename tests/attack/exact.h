@@ -109,6 +109,10 @@ class Inequalities {
   /// The sign of the variable at the vertex. @pre feasible() was true
   int sign(Index variable) const;
 
+  /// The variable at that vertex, times denominator().
+  Dyadic value(Index variable) const;
+  const Integer& denominator() const { return denominator_; }
+
   /// After feasible() was false, and nothing imposed: u >= 0 of `rows` entries with A'u <= 0 and b'u < 0.
   DyadicVector contradiction() const;
 
@@ -123,6 +127,7 @@ class Inequalities {
   std::vector<Index> basic_;
   std::vector<Index> nonbasic_;
   std::vector<long> row_exponent_;
+  std::vector<long> column_exponent_;  ///< of y_j at j + 1; that of b is zero
   std::size_t contradicting_row_ = 0;
 };
 

@@ -81,8 +81,14 @@ class Forger : public Subject {
 
   Index below(Index count) { return static_cast<Index>(chance_() % static_cast<std::uint64_t>(count)); }
   double sign() { return below(2) == 0 ? 1 : -1; }
-  /// By the solver of that friction, or no impulses.
+  /// An exact solution that is known, or by the solver of that friction, or no impulses.
   static Answer solution(const Target& target, double time_limit_s, Friction friction) {
+    if (friction == Friction::kPyramid && target.truth.z.size() > 0) {
+      Answer known;
+      known.z = target.truth.z;
+      known.claim = Claim::kSolved;
+      return known;
+    }
     constexpr const char* kSolvers[] = {"contact_lemke", "cone_ipm{cone=true}", "cone_ipm{cone=true,slip=none}"};
     const bool bare = target.problem.contact() == nullptr;
     const auto solver = make_solver(parse_spec(bare ? "lemke" : kSolvers[static_cast<std::size_t>(friction)]));

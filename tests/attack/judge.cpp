@@ -67,6 +67,11 @@ std::vector<Part> islands(const ContactProblem& contact, const ContactLayout& la
   const Index row = ngc + factors;
   join_columns(exact(to_dense(contact.N)), 0, row, groups);
   join_columns(exact(to_dense(contact.D)), 0, row + layout.friction_offset(), groups);
+  if (contact.has_rows()) join_columns(exact(to_dense(contact.rows.R)), 0, row + layout.row_offset(), groups);
+  for (Index i = 0; i < layout.rows; ++i) {
+    const int of = contact.rows.bounds.friction_of[at(i)];
+    if (of >= 0) groups.join(row + layout.row_offset() + i, row + layout.row_offset() + of);
+  }
   for (Index c = 0; c < contact.nc(); ++c) {
     for (Index t = layout.friction_begin[at(c)]; t < layout.friction_begin[at(c) + 1]; ++t) {
       groups.join(row + c, row + layout.friction_offset() + t);
@@ -117,14 +122,14 @@ struct Judge::Data {
   DyadicMatrix M;
   DyadicVector q;
   bool mixed = false;
-  LcpBounds bounds;
+  LcpBounds bounds;  // of contacts with bounded rows those of z
   std::vector<Part> parts;  // islands or blocks
 
   // Contact problem
   bool contacts = false;
   ContactLayout layout;
   std::vector<Index> contact_of_friction;
-  DyadicMatrix J;         // ngc x impulses
+  DyadicMatrix J;         // ngc x impulses: [N D R]
   DyadicVector mu;        // nc
   Inverse response;       // G*
   DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
@@ -133,6 +138,18 @@ struct Judge::Data {
   DyadicVector velocity;  // ngc: before the impact
   DyadicMatrix softness;  // of the impulse rows: r_n, and r_t C'C
   DyadicMatrix G;         // none if only G* is given
+  DyadicVector levers;    // of the bounded rows
+
+  /// Where the impulse of a column of J stands in z.
+  Index row_of(Index column) const { return column < layout.lambda_offset() ? column : column + layout.cones; }
+  bool is_cone(Index row) const { return row >= layout.lambda_offset() && row < layout.row_offset(); }
+  /// @pre not a cone
+  Index column_of(Index row) const { return row < layout.lambda_offset() ? row : row - layout.cones; }
+  DyadicVector impulses(const DyadicVector& z) const {
+    DyadicVector f;
+    for (Index column = 0; column < J.cols; ++column) f.push_back(z[at(row_of(column))]);
+    return f;
+  }
 
   explicit Data(const Problem& problem) {
     if (problem.contact() != nullptr) {
@@ -174,13 +191,22 @@ struct Judge::Data {
     contacts = true;
     layout = contact_layout(contact);
     J = beside(exact(to_dense(contact.N)), exact(to_dense(contact.D)));
+    mixed = contact.has_rows();
+    if (mixed) J = beside(J, exact(to_dense(contact.rows.R)));
+    if (mixed) bounds = bounds_of_impulses(contact);
     mu = exact(contact.mu);
     response = exact_response(contact.inertia);
     if (!std::holds_alternative<InverseInertia>(contact.inertia)) G = exact_inertia(contact.inertia);
     const DyadicVector v = exact(contact.v);
-    q = product(transposed(J), v);
-    for (const Dyadic& velocity_of_row : q) speed.push_back(abs(velocity_of_row));
     q.resize(at(layout.size()));
+    const DyadicVector velocities = product(transposed(J), v);
+    for (Index column = 0; column < J.cols; ++column) {
+      speed.push_back(abs(velocities[at(column)]));
+      q[at(row_of(column))] = velocities[at(column)];
+    }
+    for (Index i = 0; i < layout.rows; ++i) {
+      q[at(layout.row_offset() + i)] = q[at(layout.row_offset() + i)] + Dyadic(contact.rows.offset(i));
+    }
     for (Index i = 0; i < contact.b.size(); ++i) q[at(i)] = q[at(i)] + Dyadic(contact.b(i));
     velocity = v;
     add_softness(contact);
@@ -203,6 +229,40 @@ struct Judge::Data {
       }
     }
     parts = islands(contact, layout);
+    for (Index i = 0; i < layout.rows; ++i) levers.push_back(lever(contact, i, moved));
+  }
+
+  /// What turns the residual of a bounded row into m/s. @param moved  G* J, times the denominator of G*
+  Dyadic lever(const ContactProblem& contact, Index i, const DyadicMatrix& moved) const {
+    const auto along = [&](Index a, Index b) {  // J_a'G*J_b
+      Dyadic sum;
+      for (Index k = 0; k < J.rows; ++k) sum = sum + J(k, a) * moved(k, b);
+      return sum;
+    };
+    const Index own = column_of(layout.row_offset() + i);
+    const Dyadic inertia = along(own, own);
+    if (contact.rows.is_angle[at(i)] == 0 || inertia.sign() == 0) return Dyadic(1.0);
+    DyadicVector of_moved, of_island, of_rows;
+    const auto part = std::find_if(parts.begin(), parts.end(), [&](const Part& candidate) {
+      return std::find(candidate.rows.begin(), candidate.rows.end(), layout.row_offset() + i) != candidate.rows.end();
+    });
+    for (const Index row : part->rows) {
+      if (row >= layout.nc && row < layout.row_offset()) continue;
+      const Dyadic size = along(column_of(row), column_of(row));
+      if (size.sign() == 0) continue;
+      if (row >= layout.row_offset()) {
+        if (contact.rows.is_angle[at(row - layout.row_offset())] == 0) of_rows.push_back(size);
+        continue;
+      }
+      of_island.push_back(size);
+      if (along(row, own).sign() != 0) of_moved.push_back(size);
+    }
+    DyadicVector& sizes = !of_moved.empty() ? of_moved : !of_island.empty() ? of_island : of_rows;
+    if (sizes.empty()) return Dyadic(1.0);
+    std::sort(sizes.begin(), sizes.end());
+    const std::size_t middle = sizes.size() / 2;
+    const Dyadic median = sizes.size() % 2 == 1 ? sizes[middle] : Dyadic(0.5) * (sizes[middle - 1] + sizes[middle]);
+    return root(divided(median, inertia));
   }
 
   /// Contacts have 0, 2 or 4 edges: directions along the tangents.
@@ -220,6 +280,7 @@ struct Judge::Data {
       }
       first += edges;
     }
+    for (Index i = 0; i < layout.rows; ++i) softness(first + i, first + i) = Dyadic(contact.rows.yields(i));
   }
 
   /// w times the denominators of z and of G*.
@@ -229,16 +290,14 @@ struct Judge::Data {
       for (std::size_t i = 0; i < w.size(); ++i) w[i] = w[i] + q[i] * denominator;
       return w;
     }
-    const DyadicVector impulses(z.begin(), z.begin() + J.cols);
-    const DyadicVector moved = product(response.numerator, product(J, impulses));
+    const DyadicVector f = impulses(z), moved = product(response.numerator, product(J, f));
+    const DyadicVector yielding = product(softness, f);
     DyadicVector w(z.size());
     const Dyadic& of_response = response.denominator;
     for (Index i = 0; i < J.cols; ++i) {
-      w[at(i)] = q[at(i)] * denominator * of_response;
-      for (Index k = 0; k < J.rows; ++k) w[at(i)] = w[at(i)] + J(k, i) * moved[at(k)];
+      Dyadic& row = w[at(row_of(i))] = (q[at(row_of(i))] * denominator + yielding[at(i)]) * of_response;
+      for (Index k = 0; k < J.rows; ++k) row = row + J(k, i) * moved[at(k)];
     }
-    const DyadicVector yielding = product(softness, impulses);
-    for (Index i = 0; i < J.cols; ++i) w[at(i)] = w[at(i)] + yielding[at(i)] * of_response;
     for (Index c = 0; c < layout.cones; ++c) {
       const Index contact = layout.cone_contact[at(c)];
       w[at(layout.lambda_offset() + c)] = mu[at(contact)] * z[at(contact)] * of_response;
@@ -259,7 +318,7 @@ struct Judge::Data {
   };
 
   Moved moved(const DyadicVector& z) const {
-    const DyadicVector f(z.begin(), z.begin() + J.cols);
+    const DyadicVector f = impulses(z);
     DyadicMatrix sizes = J;
     for (Dyadic& entry : sizes.entries) entry = abs(entry);
     DyadicMatrix response_sizes = response.numerator;
@@ -291,9 +350,9 @@ struct Judge::Data {
       }
       Dyadic pushed = root(energy * response.denominator);  // sqrt(v'G v) + ..., times the denominator's root
       for (const Index j : part.rows) {
-        if (j >= J.cols || f[at(j)].sign() == 0) continue;
+        if (is_cone(j) || z[at(j)].sign() == 0) continue;
         ++terms;
-        pushed = pushed + root(diagonal[at(j)]) * f_sizes[at(j)];
+        pushed = pushed + root(diagonal[at(column_of(j))]) * f_sizes[at(column_of(j))];
       }
       for (const Index i : part.coordinates) {
         const Dyadic v = velocity[at(i)] * response.denominator;
@@ -328,8 +387,17 @@ struct Judge::Data {
   Dyadic scale(const std::vector<Index>& island, bool convex) const {
     Dyadic scale(1e-8);
     for (const Index i : island) {
-      if (i >= J.cols) continue;
-      scale = max(scale, max(Dyadic(1e-6) * speed[at(i)], divided(rounding[at(i)], Dyadic(kSolvedVelocityResidual))));
+      if (is_cone(i)) continue;
+      const auto column = at(column_of(i));
+      const Dyadic floor =
+          max(Dyadic(1e-6) * speed[column], divided(rounding[column], Dyadic(kSolvedVelocityResidual)));
+      if (i >= layout.row_offset()) {
+        const Dyadic& lever = levers[at(i - layout.row_offset())];
+        const Dyadic without = violation(i, DyadicVector(q.size()), diagonal[column], q[at(i)] * response.denominator);
+        scale = max(scale, lever * max(floor, divided(abs(without), response.denominator)));
+        continue;
+      }
+      scale = max(scale, floor);
       if (i >= layout.nc) continue;
       scale = max(scale, convex && layout.lambda[at(i)] >= 0 ? convex_without(i) : -q[at(i)]);
     }
@@ -412,7 +480,13 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
     for (const Index i : island) {
       Dyadic a;
       Dyadic b;
-      if (i < data.J.cols) {
+      if (i >= data.layout.row_offset()) {
+        const Dyadic& size = data.diagonal[at(data.column_of(i))];
+        const Dyadic left = data.violation(i, z, size * denominator, w[at(i)] * denominator);
+        residual = max(residual, data.levers[at(i - data.layout.row_offset())] * abs(left));
+        continue;
+      }
+      if (!data.is_cone(i)) {
         a = data.diagonal[at(i)] * z[at(i)] * denominator;
         b = w[at(i)] * denominator;
       } else {
@@ -423,7 +497,7 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
       const bool convex = friction == Friction::kConvex && i < data.layout.nc && data.layout.lambda[at(i)] >= 0;
       if (!convex && (friction == Friction::kPyramid || i < data.layout.nc)) {
         residual = max(residual, abs(min(a, b)));
-      } else if (i >= data.J.cols) {
+      } else if (data.is_cone(i)) {
         cones.push_back(data.layout.cone_contact[at(i - data.layout.lambda_offset())]);
       }
     }
@@ -537,8 +611,22 @@ bool Judge::is_exact_solution(const Integers& numerators, const Integer& denomin
   DyadicVector z;
   for (const Integer& numerator : numerators) z.emplace_back(numerator, 0);
   const DyadicVector w = data_->complement(z, Dyadic(denominator, 0));
+  const Dyadic scale(denominator, 0);
   for (std::size_t i = 0; i < z.size(); ++i) {
-    if (z[i].sign() < 0 || w[i].sign() < 0 || (z[i].sign() > 0 && w[i].sign() > 0)) return false;
+    std::optional<Dyadic> lower = Dyadic(), upper;
+    if (data_->mixed) {
+      const double least = data_->bounds.lower(static_cast<Index>(i)), most = data_->bounds.upper(static_cast<Index>(i));
+      if (!std::isfinite(least)) lower.reset();
+      if (std::isfinite(least)) lower = Dyadic(least) * scale;
+      if (std::isfinite(most)) upper = Dyadic(most) * scale;
+      if (const int of = data_->bounds.friction_of[i]; of >= 0) {
+        upper = Dyadic(data_->bounds.mu(static_cast<Index>(i))) * z[at(of)];
+        lower = -*upper;
+      }
+    }
+    if ((lower && z[i] < *lower) || (upper && *upper < z[i])) return false;
+    const bool is_above = !lower || *lower < z[i], is_below = !upper || z[i] < *upper;
+    if ((is_above && w[i].sign() > 0) || (is_below && w[i].sign() < 0)) return false;
   }
   return true;
 }

@@ -36,7 +36,7 @@ class Judge {
   /// More than the bound of velocity_holds, by coordinate. @pre z has n finite entries
   Vector beyond_velocity(const Vector& z) const;
 
-  /// Whether numerators / denominator is a solution without any tolerance. Not of mixed LCPs. @pre denominator > 0
+  /// Whether numerators / denominator is a solution without any tolerance. @pre denominator > 0
   bool is_exact_solution(const Integers& numerators, const Integer& denominator) const;
 
   /// [q M], times the positive denominator of G* for contact problems.

@@ -158,8 +158,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Attacks the native solvers, certify and the evaluation with nasty small problems of known truth.\n"
       "Exit code: 0, no contradiction; 1, contradictions; 2, usage.");
-  app.add_option("--kind", arguments.family, "lcp, mixed, contact, soft, doubtful, rank, limits or all")
-      ->check(CLI::IsMember({"lcp", "mixed", "contact", "soft", "doubtful", "rank", "limits", "all"}));
+  app.add_option("--kind", arguments.family, "lcp, mixed, contact, soft, doubtful, rank, rows, limits or all")
+      ->check(CLI::IsMember({"lcp", "mixed", "contact", "soft", "doubtful", "rank", "rows", "limits", "all"}));
   app.add_option("--problems", arguments.problems, "number of problems of each kind");
   app.add_option("--first", arguments.first, "index of the first problem");
   app.add_option("--subject", arguments.subject, "only what is under test and has this in its name, on every problem");

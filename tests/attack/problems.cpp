@@ -9,7 +9,7 @@
 namespace lcpbench::attack {
 
 const char* to_string(Family family) {
-  constexpr const char* kNames[] = {"lcp", "mixed", "contact", "soft", "doubtful", "rank", "limits"};
+  constexpr const char* kNames[] = {"lcp", "mixed", "contact", "soft", "doubtful", "rank", "rows", "limits"};
   return kNames[static_cast<std::size_t>(family)];
 }
 
@@ -24,6 +24,7 @@ const std::vector<std::string>& kinds(Family family) {
     case Family::kSoft: return soft;
     case Family::kDoubtful: return doubtful_kinds();
     case Family::kRank: return rank_kinds();
+    case Family::kRows: return row_kinds();
     case Family::kLimits: return limit_kinds();
     default: return lcp_kinds();
   }
@@ -104,6 +105,7 @@ ContactProblem make_contact(Family family, std::size_t kind, Draw& draw) {
   switch (family) {
     case Family::kDoubtful: return make_doubtful_of_kind(kind, draw);
     case Family::kRank: return make_rank_of_kind(kind, draw);
+    case Family::kRows: return make_rows_of_kind(kind, draw);
     case Family::kLimits: return make_limit_of_kind(kind, draw);
     case Family::kSoft: {
       const std::size_t first = contact_kinds().size();

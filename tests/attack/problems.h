@@ -18,19 +18,21 @@ enum class Family {
   kSoft,      ///< the problems of the other two kinds of contacts, with compliance and tangential offsets
   kDoubtful,  ///< contact problems whose rank, scale or solvability is in doubt when it is computed in double
   kRank,      ///< contact problems of reduced rank, many of which 113 bits do not resolve
+  kRows,      ///< contacts with bounded rows of every kind
   kLimits,    ///< contacts with open rows, large offsets, tiny speeds, or light bodies beside heavy ones
 };
 
 inline constexpr Family kFamilies[] = {Family::kLcp,      Family::kMixed, Family::kContact, Family::kSoft,
-                                       Family::kDoubtful, Family::kRank,  Family::kLimits};
+                                       Family::kDoubtful, Family::kRank,  Family::kRows,    Family::kLimits};
 
-/// "lcp", "mixed", "contact", "soft", "doubtful", "rank", "limits".
+/// "lcp", "mixed", "contact", "soft", "doubtful", "rank", "rows", "limits".
 const char* to_string(Family family);
 
 /// The names of the kinds of a family, in the order in which they take turns: problem i is of kind i mod their number.
 const std::vector<std::string>& kinds(Family family);
 
-/// Problem `index` of the family. LCPs have n <= 8, mixed ones n <= 4; contacts ngc <= 8, nc <= 8 and 0, 2 or 4 edges each.
+/// Problem `index` of the family. LCPs have n <= 8, mixed ones n <= 4; contacts ngc <= 8, nc <= 8 and 0, 2 or 4 edges each;
+/// those with bounded rows ngc <= 6, nc <= 3 and at most 4 rows.
 Problem generate(Family family, std::uint64_t seed, std::uint64_t index);
 
 /// The draws of one problem.
@@ -67,11 +69,13 @@ Lcp make_mixed_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_contact_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_doubtful_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_rank_of_kind(std::size_t kind, Draw& draw);
+ContactProblem make_rows_of_kind(std::size_t kind, Draw& draw);
 ContactProblem make_limit_of_kind(std::size_t kind, Draw& draw);
 const std::vector<std::string>& lcp_kinds();
 const std::vector<std::string>& contact_kinds();
 const std::vector<std::string>& doubtful_kinds();
 const std::vector<std::string>& rank_kinds();
+const std::vector<std::string>& row_kinds();
 const std::vector<std::string>& limit_kinds();
 
 /// Gives some contacts compliance of 1e-12 to 1e12, or zero, and tangential offsets.

@@ -3,7 +3,7 @@ find_package(Boost REQUIRED)  # headers only: integers of GMP
 # Seeded nasty problems, their exact truth found independently, and everything that claims to know it under test.
 add_library(lcpbench_attack STATIC
   attack/contact_problems.cpp attack/contacts.cpp attack/doubtful_problems.cpp
-  attack/exact.cpp attack/forgers.cpp attack/judge.cpp attack/lcp_problems.cpp attack/limit_problems.cpp attack/problems.cpp attack/subjects.cpp attack/truth.cpp)
+  attack/exact.cpp attack/forgers.cpp attack/judge.cpp attack/lcp_problems.cpp attack/limit_problems.cpp attack/problems.cpp attack/row_problems.cpp attack/subjects.cpp attack/truth.cpp)
 target_link_libraries(lcpbench_attack
   PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers lcpbench_gmp)
 lcpbench_use_precompiled(lcpbench_attack lcpbench_native_headers)

@@ -24,8 +24,8 @@ DyadicMatrix beside(const DyadicVector& b, const DyadicMatrix& A) {
   return result;
 }
 
-/// Whether the inequalities w = q + M z >= 0, z >= 0 have a point with w_i z_i = 0 for all i. kUnknown when that would
-/// take more than `nodes` linear programs.
+/// Whether the inequalities w = q + M z >= 0, z >= 0 have a point with w_i z_i = 0 for all i, which they then stand at.
+/// kUnknown when that would take more than `nodes` linear programs.
 Truth find_complementary_point(Inequalities& inequalities, int& nodes) {
   if (--nodes < 0) return Truth::kUnknown;
   if (!inequalities.feasible()) return Truth::kUnsolvable;
@@ -36,22 +36,46 @@ Truth find_complementary_point(Inequalities& inequalities, int& nodes) {
   for (const Index variable : {i, n + i}) {
     Inequalities branch = inequalities;
     const Truth found = branch.impose(variable) ? find_complementary_point(branch, nodes) : Truth::kUnsolvable;
+    if (found == Truth::kSolvable) inequalities = std::move(branch);
     if (found != Truth::kUnsolvable) return found;
   }
   return Truth::kUnsolvable;
 }
 
-/// [q M] of a bare LCP whose solutions are those of the mixed one: two unknowns for one that is free or a friction
+/// [q M] of a bare LCP whose solutions are those of a mixed one: two unknowns for one that is free or a friction
 /// impulse, a slack for a second bound, and a multiplier for the limit of a friction impulse.
-DyadicMatrix rows_of_mixed(const Lcp& lcp) {
+struct Expanded {
   struct Unknown {
     Index row;
     Dyadic sign;
   };
-  const LcpBounds& bounds = lcp.bounds;
-  const Index n = lcp.size();
-  std::vector<Unknown> unknowns;
-  DyadicVector origin(at(n));
+  DyadicMatrix rows;
+  DyadicVector origin;            ///< z of the mixed one where all unknowns are zero
+  std::vector<Unknown> unknowns;  ///< the first ones
+
+  /// The doubles next to the z of the point that the search ended at.
+  Vector restored(const Inequalities& found) const {
+    DyadicVector z = origin;
+    for (Dyadic& value : z) value = value * Dyadic(found.denominator(), 0);
+    for (std::size_t a = 0; a < unknowns.size(); ++a) {
+      z[at(unknowns[a].row)] =
+          z[at(unknowns[a].row)] + unknowns[a].sign * found.value(rows.rows + static_cast<Index>(a));
+    }
+    Vector result(static_cast<Index>(z.size()));
+    for (Index i = 0; i < result.size(); ++i) {
+      result(i) = z[at(i)].sign() * quotient(abs(z[at(i)]), Dyadic(found.denominator(), 0));
+    }
+    return result;
+  }
+};
+
+/// @param given  [q M] of the mixed LCP
+Expanded expanded(const DyadicMatrix& given, const LcpBounds& bounds) {
+  const Index n = given.rows;
+  Expanded result;
+  std::vector<Expanded::Unknown>& unknowns = result.unknowns;
+  DyadicVector& origin = result.origin;
+  origin.resize(at(n));
   Index limits = 0;
   for (Index i = 0; i < n; ++i) {
     const bool has_lower = std::isfinite(bounds.lower(i)), has_upper = std::isfinite(bounds.upper(i));
@@ -61,14 +85,17 @@ DyadicMatrix rows_of_mixed(const Lcp& lcp) {
     if (!is_fixed && !has_lower) unknowns.push_back({i, Dyadic(-1.0)});
     limits += (has_lower && has_upper && !is_fixed) || bounds.friction_of[at(i)] >= 0 ? 1 : 0;
   }
-  const DyadicMatrix M = exact(lcp.M);
-  const DyadicVector at_origin = product(M, origin);
+  DyadicVector q(at(n));  // at the origin
+  for (Index i = 0; i < n; ++i) {
+    q[at(i)] = given(i, 0);
+    for (Index j = 0; j < n; ++j) q[at(i)] = q[at(i)] + given(i, j + 1) * origin[at(j)];
+  }
   const auto count = static_cast<Index>(unknowns.size());
-  DyadicMatrix rows(count + limits, count + limits + 1);
+  DyadicMatrix& rows = result.rows = DyadicMatrix(count + limits, count + limits + 1);
   for (Index a = 0; a < count; ++a) {
     const auto& [i, sign] = unknowns[at(a)];
-    rows(a, 0) = sign * (Dyadic(lcp.q(i)) + at_origin[at(i)]);
-    for (Index b = 0; b < count; ++b) rows(a, b + 1) = sign * unknowns[at(b)].sign * M(i, unknowns[at(b)].row);
+    rows(a, 0) = sign * q[at(i)];
+    for (Index b = 0; b < count; ++b) rows(a, b + 1) = sign * unknowns[at(b)].sign * given(i, unknowns[at(b)].row + 1);
   }
   Index limit = count;
   for (Index i = 0; i < n; ++i) {
@@ -86,12 +113,13 @@ DyadicMatrix rows_of_mixed(const Lcp& lcp) {
     }
     ++limit;
   }
-  return rows;
+  return result;
 }
 
 ExactTruth lcp_truth(const Problem& problem) {
   const Lcp& lcp = problem.lcp();
-  const DyadicMatrix rows = lcp.is_mixed() ? rows_of_mixed(lcp) : beside(exact(lcp.q), exact(lcp.M));
+  const DyadicMatrix given = beside(exact(lcp.q), exact(lcp.M));
+  const DyadicMatrix rows = lcp.is_mixed() ? expanded(given, lcp.bounds).rows : given;
   Inequalities inequalities(rows);
   if (!inequalities.feasible()) return {Truth::kUnsolvable};
   int nodes = std::numeric_limits<int>::max();
@@ -171,8 +199,19 @@ DyadicMatrix cone_edges(const ContactProblem& contact) {
   return edges;
 }
 
+/// By the examination of the cones alone.
+ExactTruth truth_with_rows(const Problem& problem) {
+  const Expanded all = expanded(Judge(problem).rows(), bounds_of_impulses(*problem.contact()));
+  Inequalities inequalities(all.rows);
+  int nodes = kNodes;
+  ExactTruth result{find_complementary_point(inequalities, nodes)};
+  if (result.truth == Truth::kSolvable) result.z = all.restored(inequalities);
+  return result;
+}
+
 ExactTruth contact_truth(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  if (contact.has_rows()) return truth_with_rows(problem);
   const bool nothing_asked =
       contact.offset_t.size() == 0 && std::all_of(contact.b.begin(), contact.b.end(), [](double b) { return b >= 0; });
   if (nothing_asked && positive_definite(exact_inertia(contact.inertia))) return {Truth::kSolvable};
@@ -211,11 +250,31 @@ ExactTruth exact_truth(const Problem& problem) {
   return problem.contact() != nullptr ? contact_truth(problem) : lcp_truth(problem);
 }
 
+LcpBounds bounds_of_impulses(const ContactProblem& contact) {
+  const Index n = lcp_size(contact), m = contact.rows.size();
+  LcpBounds bounds = LcpBounds::nonnegative(n);
+  for (Index i = 0; i < m; ++i) {
+    const LcpBounds& given = contact.rows.bounds;
+    bounds.lower(n - m + i) = given.lower(i);
+    bounds.upper(n - m + i) = given.upper(i);
+    bounds.mu(n - m + i) = given.mu(i);
+    if (const int of = given.friction_of[at(i)]; of >= 0) {
+      bounds.friction_of[at(n - m + i)] = of + static_cast<int>(n - m);
+    }
+  }
+  return bounds;
+}
+
 bool disproves(const Problem& problem, const DyadicVector& u) {
-  if (!nonnegative(u)) return false;
   if (const ContactProblem* contact = problem.contact()) {
-    if (static_cast<Index>(u.size()) != contact->nc()) return false;
-    const DyadicVector f = product(exact(to_dense(contact->N)), u);
+    const Index nc = contact->nc(), m = contact->rows.size();
+    if (static_cast<Index>(u.size()) != nc + m) return false;
+    const DyadicVector of_contacts(u.begin(), u.begin() + nc), of_rows(u.begin() + nc, u.end());
+    if (!nonnegative(of_contacts)) return false;
+    DyadicVector f = product(exact(to_dense(contact->N)), of_contacts);
+    const DyadicMatrix R = m > 0 ? exact(to_dense(contact->rows.R)) : DyadicMatrix(contact->ngc(), 0);
+    const DyadicVector f_R = product(R, of_rows);
+    for (std::size_t k = 0; k < f.size(); ++k) f[k] = f[k] + f_R[k];
     const DyadicVector moved = product(transposed(range_basis(contact->inertia)), f);
     const bool still = std::all_of(moved.begin(), moved.end(), [](const Dyadic& x) { return x.sign() == 0; });
     Dyadic falls = dot(exact(contact->v), f);
@@ -223,10 +282,18 @@ bool disproves(const Problem& problem, const DyadicVector& u) {
       falls = falls + offset_of(*contact, i) * u[at(i)];
       if (contact->normal_compliance(i) != 0 && u[at(i)].sign() != 0) return false;
     }
+    for (Index i = 0; i < m; ++i) {
+      const int sign = of_rows[at(i)].sign();
+      if (sign == 0) continue;
+      const LcpBounds& bounds = contact->rows.bounds;
+      const double bound = sign > 0 ? bounds.upper(i) : bounds.lower(i);
+      if (std::isfinite(bound) || bounds.friction_of[at(i)] >= 0 || contact->rows.yields(i) != 0) return false;
+      falls = falls + Dyadic(contact->rows.offset(i)) * of_rows[at(i)];
+    }
     return still && falls.sign() < 0;
   }
   const Lcp& lcp = problem.lcp();
-  if (static_cast<Index>(u.size()) != lcp.size()) return false;
+  if (static_cast<Index>(u.size()) != lcp.size() || !nonnegative(u)) return false;
   const DyadicVector slope = product(transposed(exact(lcp.M)), u);
   return std::none_of(slope.begin(), slope.end(), [](const Dyadic& x) { return x.sign() > 0; }) &&
          dot(exact(lcp.q), u).sign() < 0;

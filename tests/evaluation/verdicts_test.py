@@ -211,6 +211,173 @@ def random_cases(draw):
         yield lcp(M, q, lower=lower, upper=upper, **friction), z
 
 
+def rows(columns, lower, upper, **given):
+    """Bounded rows by their directions."""
+    return {"R": [list(entries) for entries in zip(*columns)], "lower": lower, "upper": upper, **given}
+
+
+def known_row_cases():
+    """Bounded rows with z: every kind, and every way to the lever of an angle."""
+    hinge = rows([[1]], [-0.03], [0.03], unit=["rad"])
+    for impulse in (0, -0.03, -0.03 * (1 + 1e-5), -0.0301, 0.03):
+        yield contact([0.1], [[]], [[1]], rows=hinge), [impulse]
+        yield contact([0.02], [[]], [[1]], rows=hinge), [impulse]
+    loop = rows([[1, -1], [1, -1]], [None, None], [None, None])
+    for size in (0, 1, 1e6):
+        yield contact([1, 0], [[], []], identity(2), rows=loop), [size - 0.25, -size - 0.25]
+    drive = rows([[1]], [-0.2], [0.2], b=[-1], compliance=[1])
+    for impulse in (0, 0.2, 0.5):
+        yield contact([0], [[]], [[1]], rows=drive), [impulse]
+    loaded = rows([[1, -0.1], [0, 1]], [0, None], [None, None], friction_of=[None, 0], mu=[0, 0.2], unit=["m", "rad"])
+    for torque in (0.1, 0.2, 0.3, -0.1):
+        yield contact([-1, 0], [[], []], identity(2, [1, 0.01]), rows=loaded), [1, torque]
+        yield contact([-1, 0], [[], []], identity(2, [1, 0.01]), rows=loaded), [-1, torque]
+    # A row that moves nothing: bounds, and none.
+    for lower, upper in ((0, None), (None, 0), (-1, 2), (None, None)):
+        for b in (0, 0.5, -0.5):
+            still = rows([[0, 0], [0, 1]], [lower, -0.1], [upper, 0.1], b=[b, 0], unit=["rad", "m"])
+            yield contact([1, 0.1], [[1], [0]], identity(2), rows=still), [0, 2, -0.1]
+            massless = rows([[0, 1]], [lower], [upper], b=[b], unit=["rad"])
+            yield {**factored([1, 0], [[1], [0]], [[2], [0]]), "rows": massless}, [0, 3]
+    # The lever: of the contacts that the row moves, one, two and three; of its island; of its rows in m; 1.
+    turns = rows([[0, 0, 1], [1, 0, 0]], [-1, None], [1, None], unit=["rad", "m"])
+    coupled = [[2, 0, 1], [0, 3, 0], [1, 0, 4]]
+    for N in ([[], [], []], [[0], [1], [0]], [[1], [0], [1]], [[1, 0], [1, 0], [1, 2]], [[1, 0, 0], [0, 1, 0], [1, 2, 3]]):
+        for inertia in (identity(3, [2, 3, 4]), coupled):
+            for push in (0, 1):
+                yield (contact([0.5, -0.25, 1], N, inertia, rows=turns), [0.25] * len(N[0]) + [push, 0.5])
+    # A motor at rest that is asked for nothing but speed gives the scale; a fast row gives the floor.
+    for speed in (1e-10, 1, 1e6):
+        spins = rows([[1, 0], [0, 1]], [-1e-3, None], [1e-3, None], b=[-speed, 0], unit=["rad", "m"])
+        yield contact([0, 1e-7], [[], []], identity(2), rows=spins), [1e-3, 0]
+        fast = rows([[1, 0]], [0], [None], unit=["rad"])
+        yield contact([speed, -1e-5], [[0], [1]], [[2, 1], [1, 2]], rows=fast), [0, 0]
+
+
+def random_row_cases(draw):
+    """Bounded rows of every kind beside contacts of 0 or 2 edges, whose offsets make an answer right; it, and near ones."""
+    def number():
+        return draw.randint(-40, 40) / 16
+
+    for _ in range(150):
+        ngc, nc, m = draw.choice((2, 4)), draw.randint(0, 2), draw.randint(1, 4)
+        half = [draw.randint(0, ngc // 2 - 1) for _ in range(nc + m)]  # the island of each contact and row
+        G = [[0] * ngc for _ in range(ngc)]
+        for k in range(0, ngc, 2):
+            G[k][k], G[k + 1][k + 1] = draw.randint(2, 9), draw.randint(2, 9)
+            G[k][k + 1] = G[k + 1][k] = draw.randint(-1, 1)
+
+        def direction(part):
+            return [number() if k // 2 == part else 0 for k in range(ngc)]
+
+        normals = [direction(part) for part in half[:nc]]
+        edges = [draw.choice((0, 2)) for _ in range(nc)]
+        tangents = [direction(part) for part in half[:nc]]
+        mu = [draw.randint(0, 8) / 8 if count else 0 for count in edges]
+        R = [direction(part) for part in half[nc:]]
+        for k in range(m):
+            kind = draw.random()
+            if kind < 0.1:
+                R[k] = [0] * ngc
+            elif kind < 0.2:
+                R[k] = [number() for _ in range(ngc)]
+            elif kind < 0.4 and k > 0:
+                R[k] = [draw.choice((-2, 1)) * entry for entry in R[k - 1]]
+        lower, upper = [None] * m, [None] * m
+        friction_of, row_mu = [None] * m, [0] * m
+        for k in range(m):
+            low, high = -abs(number()), abs(number()) + 1 / 16
+            lower[k], upper[k] = draw.choice(((None, None), (0, None), (None, 0), (low, None), (low, high), (-high, high)))
+        if m > 1 and draw.random() < 0.5:
+            lower[0], upper[0] = 0, draw.choice((None, 2))
+            lower[m - 1] = upper[m - 1] = None
+            friction_of[m - 1], row_mu[m - 1] = 0, draw.randint(0, 8) / 8
+        f_N = [draw.choice((0, abs(number()))) for _ in range(nc)]
+        f_T = [draw.choice((-1, 1)) * mu[c] * f_N[c] if edges[c] else 0 for c in range(nc)]
+        f_R, w_R = [], []
+        for k in range(m):
+            low, high = lower[k], upper[k]
+            if friction_of[k] is not None:
+                low, high = -row_mu[k] * f_R[0], row_mu[k] * f_R[0]
+            state = draw.choice(("lower", "upper", "between"))
+            if state == "lower" and low is not None:
+                f_R.append(low)
+                w_R.append(abs(number()))
+            elif state == "upper" and high is not None:
+                f_R.append(high)
+                w_R.append(-abs(number()))
+            else:
+                f_R.append(min(max(number(), -math.inf if low is None else low), math.inf if high is None else high))
+                w_R.append(0)
+        compliance = [draw.choice((0, 0, 0, 0.5, 3)) for _ in range(m)]
+        r_n, r_t = [draw.choice((0, 0, 0.25)) for _ in range(nc)], [draw.choice((0, 0.25)) * (count > 0) for count in edges]
+        # Offsets such that these impulses are right: sliding contacts slide, the others press or part.
+        v = [number() for _ in range(ngc)]
+        fraction = second_judge.Fraction
+        pushes = [sum((fraction(J[a]) * fraction(f) for J, f in zip(normals + tangents + R, f_N + f_T + f_R)), fraction(0))
+                  for a in range(ngc)]
+        change = second_judge.solve_exactly([[fraction(entry) for entry in row] for row in G], [pushes])[0]
+        v_plus = [before + by for before, by in zip(v, change)]
+
+        def along(J):
+            return second_judge.dot(second_judge.exact(J), v_plus)
+
+        slips = [draw.choice((0, abs(number()))) * (-1 if f > 0 else 1) for f in f_T]
+        b_N = [float((0 if f > 0 else abs(number())) - along(J) - fraction(r * f)) for J, f, r in zip(normals, f_N, r_n)]
+        offset_t = [entry for J, f, r, count, slip in zip(tangents, f_T, r_t, edges, slips)
+                    for entry in (float(fraction(slip) - along(J) - fraction(r) * fraction(f)) if count else 0, 0)]
+        b_R = [float(fraction(w) - along(J) - fraction(r) * fraction(f)) for J, f, r, w in zip(R, f_R, compliance, w_R)]
+        given = {"rows": rows(R, lower, upper, b=b_R, compliance=compliance,
+                              unit=[draw.choice(("m", "rad")) for _ in range(m)])}
+        if any(of is not None for of in friction_of):
+            given["rows"].update(friction_of=friction_of, mu=row_mu)
+        if nc:
+            given.update(b=b_N, compliance_n=r_n)
+        if any(edges):
+            D = [[sign * entry for entry in T] for T, count in zip(tangents, edges) if count for sign in (1, -1)]
+            given.update(D=[list(row) for row in zip(*D)], edges=edges, mu=mu, compliance_t=r_t, offset_t=offset_t)
+        f_D = [max(sign * f, 0) for f, count in zip(f_T, edges) if count for sign in (1, -1)]
+        slopes = [abs(slip) for slip, count in zip(slips, edges) if count]
+        z = f_N + f_D + slopes + f_R
+        yield contact(v, [list(row) for row in zip(*normals)] or [[] for _ in v], G, **given), z
+        kind = draw.random()
+        if kind < 0.3:
+            z = [value * (1 + draw.uniform(-1, 1) * 10.0 ** draw.randint(-15, -1)) for value in z]
+        elif kind < 0.9:
+            i = draw.randrange(len(z))
+            z[i] += draw.choice((-1, 1)) * 10.0 ** draw.randint(-12, 0)
+        else:
+            z = [0] * len(z)
+        yield contact(v, [list(row) for row in zip(*normals)] or [[] for _ in v], G, **given), z
+
+
+def row_proof_cases():
+    """Contacts with bounded rows, zero impulses and a vector that proves that there is no solution, or nothing."""
+    def held(lower, upper, b, u, compliance=(0, 0), v=(0,)):
+        return (contact(list(v), [[] for _ in v], identity(len(v)),
+                        rows=rows([[1] + [0] * (len(v) - 1)] * 2, lower, upper, b=b, compliance=list(compliance))),
+                [0, 0], u)
+
+    none = [None, None]
+    for u in ([1, -1], [-1, 1]):
+        yield held(none, none, [0, 1], u)
+        yield held(none, none, [0, -1], u)
+        yield held(none, none, [0, 1], u, compliance=(0, 1))
+        yield held([0, None], [None, 0], [-2, -1], u)  # v+ >= 2, v+ <= 1
+        yield held([None, 0], [0, None], [-2, -1], u)  # v+ <= 2, v+ >= 1
+        yield held([0, -5], [None, 5], [-2, -1], u)
+        yield held([None, None], [None, 3], [-2, -1], u)
+    yield held(none, none, [0, 1], [1, -1.0000000001])  # moves something
+    # A contact that is closed by a joint.
+    closed = rows([[1]], [None], [None], b=[0])
+    for contact_offset, weights in ((-1, [1, -1]), (1, [1, -1]), (-1, [-1, 1]), (-1, [1])):
+        yield contact([0], [[1]], [[1]], b=[contact_offset], rows=closed), [0, 0], weights
+    loaded = rows([[1], [1]], [0, None], [None, None], friction_of=[None, 0], mu=[0, 0.5], b=[-2, 0])
+    yield contact([0], [[]], [[1]], rows=loaded), [0, 0], [1, -1]  # friction proves nothing
+    massless = rows([[0, 1]], [None], [None], b=[1])
+    yield {**factored([0, 0], [[1], [0]], [[2], [0]]), "rows": massless}, [0, 0], [0, -1]
+
+
 def reduced(z, lower, upper, friction):
     """z of a mixed LCP without free unknowns as the program's reduction to unknowns >= 0 has it; slacks are zero."""
     x, slacks = [], 0
@@ -268,7 +435,12 @@ def close(found, expected, tolerance, absolute):
 def check(row, problem, z, velocity, proof):
     expected = second_judge.judge(problem, z, velocity)
     errors, complaints = row["errors"], []
-    if proof:
+    if proof and problem["kind"] == "contact":
+        # Without a proof the program looks for one.
+        proofs = [u for u in (proof, [1, -1], [-1, 1]) if second_judge.disproves(problem, u)]
+        if bool(proofs) != (row["truth"] in ("unsolvable", "nearly")):
+            complaints.append(f"truth {row['truth']}, proofs {proofs}")
+    elif proof:
         expected["proof_margin"] = second_judge.proof_margin(problem, proof)
         truth = second_judge.truth_by_proof(expected["proof_margin"])
         if row["truth"] != truth:
@@ -281,6 +453,9 @@ def check(row, problem, z, velocity, proof):
             continue
         if not close(errors[measure], expected[measure], tolerance, absolute):
             complaints.append(f"{measure} {errors[measure]}, the page says {float(expected[measure])}")
+    if problem["kind"] == "contact" and "G" in problem and second_judge.solvable_by_theory(problem):
+        if row["truth"] != "solvable":
+            complaints.append(f"truth {row['truth']}, by theory solvable")
     if row["verdict"] != second_judge.verdict(row["claim"], expected["passes"], row["truth"]):
         complaints.append(f"verdict {row['verdict']} of claim {row['claim']}, passes: {expected['passes']}")
     if (row["errors"]["worst_row"] is None) != (expected["worst_row"] is None):

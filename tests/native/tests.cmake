@@ -1,6 +1,6 @@
 lcpbench_room(native LINK lcpbench_solver_list lcpbench_native lcpbench_steppers lcpbench_generators lcpbench_evaluation
               lcpbench_statistics)
-foreach(test conformance active_set auto auto_rest auto_scenes bare_claims budgeted claims cone_ipm contact_farkas contact_ipm
+foreach(test conformance active_set auto auto_rest auto_scenes bare_claims bounded_rows budgeted claims cone_ipm contact_farkas contact_ipm
         even_impulses friction_ipm island_units mixed_lcp multifrontal primal_dual principal_pivoting
         proximal_newton psor soft_contacts steppers support_search
         velocity_ipm warm_steps)
