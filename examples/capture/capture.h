@@ -89,6 +89,16 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
                                         const double* tangent1, const double* tangent2, double mu, int edges, double b,
                                         const char* id);
 
+/* A bounded row of blocks, for a joint, a limit, a motor or dry friction in a joint; returns its index among these rows.
+ * Its velocity is w = direction'v+ + b + compliance f. Its impulse f is between lower <= 0 and upper >= 0, -INFINITY and
+ * INFINITY where there is no bound; w = 0 between them. unit: "m" where direction'v+ is in m/s and f in N s, "rad" where
+ * they are in rad/s and N m s. name: for messages, or NULL. See docs/reference/problem-file.md, "Bounded rows". */
+static inline int lcpbench_capture_row(lcpbench_capture* c, int entries, const int* coordinates,
+                                       const double* direction, double lower, double upper, double b, double compliance,
+                                       const char* unit, const char* name);
+/* Optional: the bounded row given last has the bounds -mu f and mu f, f of the bounded row `of`, in place of its own. */
+static inline void lcpbench_capture_row_friction(lcpbench_capture* c, int of, double mu);
+
 /* Optional, for pictures: where a contact of blocks is, with the unit normal and the first unit tangent, in the world. */
 static inline void lcpbench_capture_frame(lcpbench_capture* c, int contact, const double point[3],
                                           const double normal[3], const double tangent[3]);
@@ -99,9 +109,11 @@ static inline void lcpbench_capture_soft(lcpbench_capture* c, double compliance_
                                          double offset_t2);
 
 /* Optional. Gaps (m, negative: penetration) and impulses (N s, on body_a along normal, tangent, normal x tangent; of
- * rows: along the three rows) are written when every contact of the step has one. */
+ * rows: along the three rows) are written when every contact of the step has one, impulses when every bounded row has
+ * one, too. */
 static inline void lcpbench_capture_gap(lcpbench_capture* c, int contact, double gap);
 static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, double fn, double ft1, double ft2);
+static inline void lcpbench_capture_row_impulse(lcpbench_capture* c, int row, double f);
 /* The engine's own velocity after the impact: n generalized coordinates (6 a body, linear before angular). */
 static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const double* velocity);
 /* The time that the engine's own solver took for the step [s]: the solver `engine` has it beside the others' times. */
@@ -138,6 +150,13 @@ typedef struct {
 } lcpbench_contact_;
 
 typedef struct {
+  double numbers[4]; /* b, compliance, lower, upper */
+  double mu, impulse;
+  int of; /* the row whose impulse bounds this one, or -1 */
+  int is_angle, has_impulse;
+} lcpbench_row_;
+
+typedef struct {
   int given;
   double numbers[7];
 } lcpbench_pose_;
@@ -158,6 +177,10 @@ enum {
   LCPBENCH_EDGES_,
   LCPBENCH_MU_,
   LCPBENCH_B_,
+  LCPBENCH_R_STARTS_,
+  LCPBENCH_R_ROWS_,
+  LCPBENCH_R_VALUES_,
+  LCPBENCH_ROW_NAMES_,
   LCPBENCH_IDS_,
   LCPBENCH_VELOCITY_,
   LCPBENCH_NOTES_,
@@ -173,9 +196,11 @@ struct lcpbench_capture {
   int any_step;
   double time;
   double solve_s; /* negative: not told */
-  int bodies, blocks, coordinates, n_entries, d_entries, has_b, has_soft, has_ids, has_friction, has_frames;
+  int bodies, blocks, coordinates, n_entries, d_entries, r_entries, has_b, has_soft, has_ids, has_friction, has_frames;
   lcpbench_contact_* contacts;
   int contact_count, contact_room;
+  lcpbench_row_* rows;
+  int row_count, row_room, has_row_names;
   lcpbench_pose_* poses;
   int pose_count, pose_room;
 };
@@ -239,18 +264,21 @@ static inline void lcpbench_not_finite_(lcpbench_capture* c, const char* list, i
 static inline void lcpbench_bad_number_(lcpbench_capture* c, const lcpbench_text_* text) {
   static const struct {
     int text;
+    const char* list;
     const char* field;
-  } kTexts[5] = {{LCPBENCH_V_, "v"},
-                 {LCPBENCH_N_VALUES_, "normal"},
-                 {LCPBENCH_D_VALUES_, "tangent"},
-                 {LCPBENCH_MU_, "mu"},
-                 {LCPBENCH_B_, "b"}};
+  } kTexts[6] = {{LCPBENCH_V_, "blocks", "v"},
+                 {LCPBENCH_R_VALUES_, "rows", "direction"},
+                 {LCPBENCH_N_VALUES_, "contacts", "normal"},
+                 {LCPBENCH_D_VALUES_, "contacts", "tangent"},
+                 {LCPBENCH_MU_, "contacts", "mu"},
+                 {LCPBENCH_B_, "contacts", "b"}};
   const char* const end = text->size > 0 ? strrchr(text->data, '"') : NULL;
   const char* begin = end;
   int i;
-  for (i = 0; i < 5; ++i) {
+  for (i = 0; i < 6; ++i) {
+    const int index = i == 0 ? c->blocks : i == 1 ? c->row_count : c->contact_count;
     if (text != &c->text[kTexts[i].text]) continue;
-    lcpbench_not_finite_(c, i == 0 ? "blocks" : "contacts", i == 0 ? c->blocks : c->contact_count, kTexts[i].field, 16);
+    lcpbench_not_finite_(c, kTexts[i].list, index, kTexts[i].field, 16);
     return;
   }
   if (text == &c->text[LCPBENCH_BLOCKS_]) {
@@ -426,7 +454,8 @@ static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double 
   c->time = time;
   c->solve_s = -1;
   for (i = LCPBENCH_BODIES_; i < LCPBENCH_TEXTS_; ++i) c->text[i].size = 0;
-  c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = 0;
+  c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = c->r_entries = 0;
+  c->row_count = c->has_row_names = 0;
   c->has_b = c->has_soft = c->has_ids = c->has_friction = c->has_frames = c->contact_count = c->pose_count = 0;
 }
 
@@ -600,6 +629,67 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
   return lcpbench_new_contact_(c, pyramid, 1, id);
 }
 
+/* Fails with what is wrong in the bounded row that comes next. */
+static inline void lcpbench_bad_row_(lcpbench_capture* c, const char* what) {
+  char words[160];
+  snprintf(words, sizeof words, "rows[%d]: %s", c->row_count, what);
+  lcpbench_fail_(c, words);
+}
+
+static inline int lcpbench_capture_row(lcpbench_capture* c, int entries, const int* coordinates,
+                                       const double* direction, double lower, double upper, double b, double compliance,
+                                       const char* unit, const char* name) {
+  lcpbench_row_ row = {{0, 0, 0, 0}, 0, 0, -1, 0, 0};
+  void* data;
+  size_t room;
+  if (!lcpbench_in_step_(c)) return -1;
+  data = c->rows;
+  room = (size_t)c->row_room;
+  row.is_angle = unit != NULL && strcmp(unit, "rad") == 0;
+  if (c->bodies > 0) lcpbench_bad_row_(c, "rows and bodies in one step: give the bodies as blocks");
+  if (!(b - b == 0)) lcpbench_bad_row_(c, "b is not finite");
+  if (!(compliance >= 0 && compliance - compliance == 0)) lcpbench_bad_row_(c, "compliance is no number >= 0");
+  if (!(lower <= 0 && upper >= 0 && lower < upper)) lcpbench_bad_row_(c, "needs lower <= 0 <= upper, not both 0");
+  if (unit != NULL && !row.is_angle && strcmp(unit, "m") != 0) lcpbench_bad_row_(c, "unit is neither m nor rad");
+  lcpbench_column_(c, LCPBENCH_R_STARTS_, &c->r_entries, entries, coordinates, direction, 1, NULL, 0);
+  if (!lcpbench_grow_(c, &data, &room, (size_t)c->row_count + 1, sizeof row)) return -1;
+  c->rows = (lcpbench_row_*)data;
+  c->row_room = (int)room;
+  row.numbers[0] = b;
+  row.numbers[1] = compliance;
+  row.numbers[2] = lower;
+  row.numbers[3] = upper;
+  c->rows[c->row_count] = row;
+  lcpbench_next_(c, &c->text[LCPBENCH_ROW_NAMES_]);
+  lcpbench_words_(c, &c->text[LCPBENCH_ROW_NAMES_], name);
+  if (name != NULL) c->has_row_names = 1;
+  return c->row_count++;
+}
+
+static inline void lcpbench_capture_row_friction(lcpbench_capture* c, int of, double mu) {
+  lcpbench_row_* row;
+  if (!lcpbench_in_step_(c)) return;
+  if (of < 0 || of >= c->row_count - 1 || c->rows[of].of >= 0 || c->rows[of].numbers[2] != 0) {
+    lcpbench_fail_(c, "friction of a row needs an earlier row whose lower bound is 0");
+    return;
+  }
+  if (!(mu >= 0 && mu - mu == 0)) lcpbench_fail_(c, "friction of a row needs mu >= 0");
+  row = &c->rows[c->row_count - 1];
+  row->of = of;
+  row->mu = mu;
+}
+
+static inline void lcpbench_capture_row_impulse(lcpbench_capture* c, int row, double f) {
+  if (!lcpbench_in_step_(c)) return;
+  if (row < 0 || row >= c->row_count) {
+    lcpbench_fail_(c, "no such bounded row in this step");
+    return;
+  }
+  if (!(f - f == 0)) lcpbench_not_finite_(c, "rows", row, "impulse", 7);
+  c->rows[row].impulse = f;
+  c->rows[row].has_impulse = 1;
+}
+
 /* The compliance of all contacts: fields of the problem, or of contact `one` alone. */
 static inline void lcpbench_soft_(lcpbench_capture* c, lcpbench_text_* line, int one) {
   static const char* const kNames[3] = {"compliance_n", "compliance_t", "offset_t"};
@@ -764,7 +854,7 @@ static inline void lcpbench_gaps_(lcpbench_capture* c, lcpbench_text_* line) {
   lcpbench_add_(c, line, "]");
 }
 
-/* f_N of every contact, then f_D of every friction direction: the first parts of the problem's z. */
+/* f_N of every contact, f_D of every friction direction, f_R of every bounded row: z without lambda. */
 static inline void lcpbench_impulses_(lcpbench_capture* c, lcpbench_text_* line) {
   int i;
   lcpbench_add_(c, line, "\"impulses\":[");
@@ -775,6 +865,10 @@ static inline void lcpbench_impulses_(lcpbench_capture* c, lcpbench_text_* line)
   for (i = 0; i < c->contact_count; ++i) {
     const lcpbench_contact_ contact = c->contacts[i];
     lcpbench_friction_(c, line, contact.edges, contact.impulse[1], contact.impulse[2]);
+  }
+  for (i = 0; i < c->row_count; ++i) {
+    lcpbench_next_(c, line);
+    lcpbench_number_(c, line, c->rows[i].impulse);
   }
   lcpbench_add_(c, line, "]");
 }
@@ -806,6 +900,52 @@ static inline void lcpbench_list_(lcpbench_capture* c, lcpbench_text_* line, con
   lcpbench_add_(c, line, after);
 }
 
+/* The field `rows` of the problem. */
+static inline void lcpbench_rows_(lcpbench_capture* c, lcpbench_text_* line) {
+  static const char* const kNames[4] = {",\"b\":[", ",\"compliance\":[", ",\"lower\":[", ",\"upper\":["};
+  int field, i, angles = 0, friction = 0;
+  for (i = 0; i < c->row_count; ++i) {
+    angles = angles || c->rows[i].is_angle;
+    friction = friction || c->rows[i].of >= 0;
+  }
+  lcpbench_list_(c, line, ",\"rows\":{\"R\":{\"starts\":[0", LCPBENCH_R_STARTS_, "]");
+  lcpbench_list_(c, line, ",\"rows\":[", LCPBENCH_R_ROWS_, "]");
+  lcpbench_list_(c, line, ",\"values\":[", LCPBENCH_R_VALUES_, "]}");
+  for (field = 0; field < 4; ++field) {
+    lcpbench_add_(c, line, kNames[field]);
+    for (i = 0; i < c->row_count; ++i) {
+      const double value = c->rows[i].numbers[field];
+      lcpbench_next_(c, line);
+      if (field > 1 && (value - value != 0 || c->rows[i].of >= 0))
+        lcpbench_add_(c, line, "null");
+      else
+        lcpbench_number_(c, line, value);
+    }
+    lcpbench_add_(c, line, "]");
+  }
+  for (field = 0; friction && field < 2; ++field) {
+    lcpbench_add_(c, line, field == 0 ? ",\"friction_of\":[" : ",\"mu\":[");
+    for (i = 0; i < c->row_count; ++i) {
+      lcpbench_next_(c, line);
+      if (c->rows[i].of < 0)
+        lcpbench_add_(c, line, "null");
+      else
+        lcpbench_number_(c, line, field == 0 ? c->rows[i].of : c->rows[i].mu);
+    }
+    lcpbench_add_(c, line, "]");
+  }
+  if (angles) {
+    lcpbench_add_(c, line, ",\"unit\":[");
+    for (i = 0; i < c->row_count; ++i) {
+      lcpbench_next_(c, line);
+      lcpbench_add_(c, line, c->rows[i].is_angle ? "\"rad\"" : "\"m\"");
+    }
+    lcpbench_add_(c, line, "]");
+  }
+  if (c->has_row_names) lcpbench_list_(c, line, ",\"names\":[", LCPBENCH_ROW_NAMES_, "]");
+  lcpbench_add_(c, line, "}");
+}
+
 /* The fields of the problem file's kind "contact". */
 static inline void lcpbench_blocks_(lcpbench_capture* c, lcpbench_text_* line) {
   lcpbench_list_(c, line, "\"contact\",\"v\":[", LCPBENCH_V_, "]");
@@ -821,16 +961,18 @@ static inline void lcpbench_blocks_(lcpbench_capture* c, lcpbench_text_* line) {
   }
   if (c->has_b) lcpbench_list_(c, line, ",\"b\":[", LCPBENCH_B_, "]");
   if (c->has_soft) lcpbench_soft_(c, line, -1);
+  if (c->row_count > 0) lcpbench_rows_(c, line);
   lcpbench_list_(c, line, ",\"G_blocks\":[", LCPBENCH_BLOCKS_, "]");
 }
 
 static inline void lcpbench_capture_end_step(lcpbench_capture* c) {
   lcpbench_text_ line = {NULL, 0, 0};
   const int velocity = c != NULL && c->text[LCPBENCH_VELOCITY_].size > 0;
-  int impulses;
+  int impulses, i;
   if (!lcpbench_in_step_(c)) return;
   c->in_step = 0;
-  impulses = lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_impulse));
+  impulses = c->contact_count > 0 ? lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_impulse)) : c->row_count > 0;
+  for (i = 0; i < c->row_count; ++i) impulses = impulses && c->rows[i].has_impulse;
   lcpbench_add_(c, &line, "{\"step\":");
   lcpbench_integer_(c, &line, c->step);
   lcpbench_add_(c, &line, ",\"time\":");
@@ -880,6 +1022,7 @@ static inline int lcpbench_capture_close(lcpbench_capture* c) {
   for (i = 0; i < LCPBENCH_TEXTS_; ++i) free(c->text[i].data);
   free(c->scene.data);
   free(c->contacts);
+  free(c->rows);
   free(c->poses);
   free(c);
   return failed ? -1 : 0;
