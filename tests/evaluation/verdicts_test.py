@@ -449,6 +449,8 @@ def check(row, problem, z, velocity, proof):
         # The work is a difference of terms up to 2^60 times as large, in sums of 106 bits.
         tolerance = 1e-12 if measure == "work_gain_j" else 1e-13
         absolute = 2.0**-53 if measure.startswith(("backward_", "returned_")) else 1e-300
+        if measure == "violation_m_per_s" and "rows" in problem:
+            absolute = 2.0**-100  # of sums of thirds, in 113 bits
         if expected.get(measure) is None:
             continue
         if not close(errors[measure], expected[measure], tolerance, absolute):

@@ -533,21 +533,22 @@ TEST_F(BoundedRowsTest, TheVerdictIsSolvedAndDoingNothingIsAsBadAsCanBe) {
     if (!right.moves) return;
     answer.z = Vector::Zero(right.z.size());
     answer.velocity.resize(0);
-    EXPECT_NEAR(evaluator.errors(answer).velocity_residual_relative, 1, kRounding);
+    EXPECT_GE(evaluator.errors(answer).velocity_residual_relative, 1 - kRounding);  // more where friction lacks lambda
   });
 }
 
 TEST_F(BoundedRowsTest, NativeSolversFindTheVelocity) {
   for (const std::string& name : testing::native_solvers()) {
     SCOPED_TRACE(name);
-    const auto solver = make_solver(parse_spec(name));
+    const auto solver = make_solver(parse_spec(name == "psor" ? "psor{tolerance=1e-12}" : name));
     int taken = 0, claimed = 0;
     for_each_form([&](const Solved& right) {
       const Problem problem("mechanism", right.problem);
       if (!why_not(solver->capabilities(), problem).empty()) return;
-      ++taken;
       solver->load(problem);
       const Answer answer = testing::solve(*solver);
+      if (answer.claim == Claim::kUnsupported) return;
+      ++taken;
       if (name == "auto") {
         EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
       }
@@ -561,7 +562,8 @@ TEST_F(BoundedRowsTest, NativeSolversFindTheVelocity) {
       EXPECT_LE((answer.z.head(nc) - right.z.head(nc)).lpNorm<Eigen::Infinity>(), kFound);
       EXPECT_LE((answer.z.tail(m) - right.z.tail(m)).lpNorm<Eigen::Infinity>(), kFound);
     });
-    std::printf("%s: %d taken, %d claimed\n", name.c_str(), taken, claimed);
+    EXPECT_GT(taken, 0);
+    EXPECT_GE(claimed, taken - taken / 30);
   }
 }
 
