@@ -76,13 +76,13 @@ void expect_solution(const Problem& problem, const Fractions& z, const Fractions
 }
 
 TEST(CertifyRowsTest, EveryKindOfRowHasItsImpulseWorkedOutByHand) {
-  expect_solution(rows_alone({1, 0}, {1, 2}, {{{1, -1}}}), {"-2/3"}, {"1/3", "1/3"});                        // coupler
-  expect_solution(rows_alone({-1}, {2}, {{{1}, 0, kNone, 0.25}}), {"3/2"}, {"-1/4"});                        // limit
-  expect_solution(rows_alone({1}, {2}, {{{1}, -kNone, 0, -0.25}}), {"-3/2"}, {"1/4"});                       // the other
-  expect_solution(rows_alone({1}, {2}, {{{1}, -0.5, 0.5}}), {"-1/2"}, {"3/4"});                              // slides
-  expect_solution(rows_alone({0.125}, {2}, {{{1}, -0.5, 0.5}}), {"-1/4"}, {"0"});                            // sticks
-  expect_solution(rows_alone({0}, {1}, {{{1}, -0.25, 0.75, -4}}), {"3/4"}, {"3/4"});                         // motor
-  expect_solution(rows_alone({1}, {1}, {{{1}, -kNone, kNone, 0, 2}}), {"-1/3"}, {"2/3"});                    // soft
+  expect_solution(rows_alone({1, 0}, {1, 2}, {{{1, -1}}}), {"-2/3"}, {"1/3", "1/3"});  // coupler
+  expect_solution(rows_alone({-1}, {2}, {{{1}, 0, kNone, 0.25}}), {"3/2"}, {"-1/4"});  // limit
+  expect_solution(rows_alone({1}, {2}, {{{1}, -kNone, 0, -0.25}}), {"-3/2"}, {"1/4"});  // the other
+  expect_solution(rows_alone({1}, {2}, {{{1}, -0.5, 0.5}}), {"-1/2"}, {"3/4"});  // slides
+  expect_solution(rows_alone({0.125}, {2}, {{{1}, -0.5, 0.5}}), {"-1/4"}, {"0"});  // sticks
+  expect_solution(rows_alone({0}, {1}, {{{1}, -0.25, 0.75, -4}}), {"3/4"}, {"3/4"});  // motor
+  expect_solution(rows_alone({1}, {1}, {{{1}, -kNone, kNone, 0, 2}}), {"-1/3"}, {"2/3"});  // soft
   expect_solution(rows_alone({1}, {1}, {{{1}, -0.5, 3, 1, 0.5}}), {"-1/2"}, {"1/2"});  // soft, at its bound
 }
 
@@ -98,7 +98,8 @@ TEST(CertifyRowsTest, FrictionOfARowGrowsWithItsLoad) {
 }
 
 TEST(CertifyRowsTest, EveryFormOfTheInertiaGivesTheSameMotion) {
-  ContactProblem contact = frictionless(vec({-1, 0.5}), Matrix(vec({1, 0})), DenseInertia{Matrix(vec({2, 4}).asDiagonal())});
+  const Matrix G = vec({2, 4}).asDiagonal();
+  ContactProblem contact = frictionless(vec({-1, 0.5}), Matrix(vec({1, 0})), DenseInertia{G});
   contact = with_rows(std::move(contact), {{{1, -1}, -0.25, 0.5}});
   const Fractions z{"3/2", "1/2"}, velocity{"0", "3/8"};
   expect_solution({"dense", contact}, z, velocity);
