@@ -124,14 +124,51 @@ void check_shape(Index rows, Index cols, Index expected_rows, Index expected_col
          std::to_string(expected_rows) + " x " + std::to_string(expected_cols));
 }
 
+void check_count(std::size_t found, Index count, const std::string& field) {
+  if (static_cast<Index>(found) == count) return;
+  throw InputError(field + " has " + std::to_string(found) + " entries, expected " + std::to_string(count));
+}
+
 void check_length(const Vector& values, Index count, const std::string& field) {
-  if (values.size() == count) return;
-  throw InputError(field + " has " + std::to_string(values.size()) + " entries, expected " + std::to_string(count));
+  check_count(static_cast<std::size_t>(values.size()), count, field);
 }
 
 /// A vector without entries stands for zeros.
 void check_optional(const Vector& values, Index count, const std::string& field) {
   if (values.size() > 0) check_length(values, count, field);
+}
+
+/// As in files.
+void check_rows(const BoundedRows& bounded, Index ngc) {
+  const Index count = bounded.size();
+  const LcpBounds& bounds = bounded.bounds;
+  check_shape(rows(bounded.R), cols(bounded.R), ngc, count, "rows.R");
+  check_length(bounds.upper, count, "rows.upper");
+  check_length(bounds.mu, count, "rows.mu");
+  check_count(bounds.friction_of.size(), count, "rows.friction_of");
+  check_optional(bounded.b, count, "rows.b");
+  check_optional(bounded.compliance, count, "rows.compliance");
+  check_count(bounded.is_angle.size(), count, "rows.is_angle");
+  if (!bounded.names.empty()) check_count(bounded.names.size(), count, "rows.names");
+  for (Index i = 0; i < count; ++i) {
+    const auto field = [&](const char* name) { return std::string("rows.") + name + "[" + std::to_string(i) + "]"; };
+    check_compliance(bounded.yields(i), field("compliance"));
+    const double lower = bounds.lower(i), upper = bounds.upper(i);
+    const int of = bounds.friction_of[static_cast<std::size_t>(i)];
+    if (of < 0) {
+      if (!(lower <= 0)) refuse(field("lower"), format_real(lower), "at most 0");
+      if (!(upper >= 0)) refuse(field("upper"), format_real(upper), "at least 0");
+      if (!(lower < upper)) throw InputError(field("lower") + " and the upper bound are 0: leave the row out");
+      continue;
+    }
+    check_friction(bounds.mu(i), 2, field("mu"));
+    if (of >= count || bounds.friction_of[static_cast<std::size_t>(of)] >= 0 || bounds.lower(of) != 0) {
+      refuse(field("friction_of"), std::to_string(of), "a row with the lower bound 0 of its own");
+    }
+    if (std::isfinite(lower) || std::isfinite(upper)) {
+      throw InputError(field("lower") + " or the upper bound is given, but friction_of bounds this row");
+    }
+  }
 }
 
 struct CheckInertiaShape {
@@ -190,6 +227,7 @@ void check_usable(const ContactProblem& contacts) {
       check_zero(contacts.tangential_offset(i, k), "offset_t[" + std::to_string(2 * i + k) + "]");
     }
   }
+  if (contacts.has_rows() || cols(contacts.rows.R) > 0) check_rows(contacts.rows, contacts.ngc());
   std::visit(CheckInertiaShape{contacts.ngc()}, contacts.inertia);
 }
 

@@ -47,7 +47,8 @@ def _part(problem: Problem, kept: np.ndarray) -> Problem:
     inertia = {"Ginv": problem.Ginv} if problem.G is None else {"G": problem.G}
     return Problem(**inertia, N=problem.N[:, kept], D=problem.D[:, columns], edges=edges[kept], mu=problem.mu[kept],
                    v=problem.v, b=problem.b[kept], compliance_n=problem.compliance_n[kept],
-                   compliance_t=problem.compliance_t[kept], offset_t=problem.offset_t[twice], name=problem.name)
+                   compliance_t=problem.compliance_t[kept], offset_t=problem.offset_t[twice], rows=problem.rows,
+                   name=problem.name)
 
 
 def _change(problem: Problem, dv: np.ndarray) -> float:
@@ -91,7 +92,8 @@ def audit(problem: Problem | Step, solved: Any = None) -> Audit:
             raise InputError("solved: is None, and the problem has no impulses of an engine")
         from . import _native
 
-        z = np.asarray(_native.complete_answer(whole._data, whole.engine_impulses, "pyramid"))
+        z = np.asarray(_native.complete_answer(whole._data, whole.engine_impulses, "pyramid",
+                                                whole.engine_row_impulses))
         own = problem.velocity if isinstance(problem, Step) else None
         own = whole._data.velocity(z) if own is None else np.asarray(own)
         solved = (z[: whole.nc] != 0) | ~(whole.N.T @ own + whole.b < -_RUNS_INTO)

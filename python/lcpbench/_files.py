@@ -50,6 +50,7 @@ class Step:
     poses: Any = None  #: of each body of the pictures position [m] and unit quaternion, w first, or rotation matrix
     contact_frames: Any = None  #: of each contact point [m], normal and tangent in the world: 9 numbers, or none
     notes: list[str] = dataclasses.field(default_factory=list)  #: how it differs from the engine's: "what: how many"
+    row_impulses: Any = None  #: (m,): the engine's own of the bounded rows [N s, N m s]
 
     def __repr__(self) -> str:
         return "; ".join([f"<lcpbench.Step {self.step}: {self.problem!r}", *self.notes]) + ">"
@@ -62,11 +63,16 @@ class Step:
             problem._contact_names = list(ids)
         if self.impulses is None:
             return
-        if getattr(self.impulses, "ndim", 1) == 1 and problem.nc > 0:
-            edges, size = problem.edges, _shape(self.impulses, "impulses")
-            if size == (len(edges) + sum(edges),) and problem._has_tangents():
-                object.__setattr__(self, "impulses", _impulse_rows(edges, np.asarray(self.impulses)))
-        problem.engine_impulses = self.impulses
+        if getattr(self.impulses, "ndim", 1) == 1 and problem.kind != "lcp":
+            f, edges, m = self.impulses, problem.edges, problem._data.row_count
+            size = len(edges) + sum(edges)
+            if m > 0 and self.row_impulses is None and _shape(f, "impulses") == (size + m,):
+                object.__setattr__(self, "row_impulses", np.asarray(f)[size:])
+                f = np.asarray(f)[:size]
+            if (edges or m > 0) and _shape(f, "impulses") == (size,) and problem._has_tangents():
+                f = _impulse_rows(edges, np.asarray(f))
+            object.__setattr__(self, "impulses", f)
+        problem.engine_impulses, problem.engine_row_impulses = self.impulses, self.row_impulses
 
 
 class Scenes:
@@ -109,10 +115,12 @@ class Scenes:
         return self[self._file.index_of(_integer(number, "number", _LARGEST_STEP))]
 
 
-_MATRICES = ("G", "Ginv", "N", "D", "tangents", "M", "X")  # arguments of Problem; others are vectors or numbers
+_MATRICES = ("G", "Ginv", "N", "D", "tangents", "M", "X", "rows_R")  # arguments of Problem; others are vectors or numbers
 _VECTORS = ("v", "mu", "b", "edges", "compliance_n", "compliance_t", "offset_t", "q", "lower", "upper", "friction_of",
-            "alpha")
-_ONE_FOR_ALL = ("mu", "edges", "compliance_n", "compliance_t", "lower", "upper")
+            "alpha", "rows_lower", "rows_upper", "rows_b", "rows_compliance", "rows_friction_of", "rows_mu")
+_TEXTS = ("rows_unit", "rows_names")
+_ONE_FOR_ALL = ("mu", "edges", "compliance_n", "compliance_t", "lower", "upper", "rows_lower", "rows_upper", "rows_b",
+                "rows_compliance", "rows_mu")
 
 
 _MAT_READER = """import pickle, sys
@@ -139,7 +147,8 @@ def _load_mat(name: str) -> dict[str, Any]:
 
 
 def _load_arrays(name: str) -> Problem:
-    """The arguments of a Problem from a file of numpy (.npz) or MATLAB (.mat); X and alpha are G_factors."""
+    """The arguments of a Problem from a file of numpy (.npz) or MATLAB (.mat); X and alpha are G_factors, and rows_R that of
+    the bounded rows."""
     try:
         if name.endswith(".mat"):
             arrays = _load_mat(name)
@@ -149,13 +158,17 @@ def _load_arrays(name: str) -> Problem:
     except Exception as error:  # numpy, zipfile and scipy each have their own
         raise InputError(f"{name}: cannot be read: {error}") from None
     for key, each in arrays.items():
-        if key not in _MATRICES + _VECTORS:
-            raise InputError(f"{name}: {key}: unknown; known: {', '.join(_MATRICES + _VECTORS)}")
+        if key not in _MATRICES + _VECTORS + _TEXTS:
+            raise InputError(f"{name}: {key}: unknown; known: {', '.join(_MATRICES + _VECTORS + _TEXTS)}")
+        if key in _TEXTS:  # MATLAB's have spaces at their ends, and those of a cell array are arrays
+            arrays[key] = ["".join(np.ravel(text).tolist()).rstrip() for text in np.ravel(each)]
         if key in _VECTORS:  # MATLAB's vectors and numbers are matrices
             flat = np.ravel(each.toarray() if hasattr(each, "toarray") else each)
             arrays[key] = flat[0] if len(flat) == 1 and key in _ONE_FOR_ALL else flat
         elif key in ("M", "Ginv", "X") and hasattr(each, "toarray"):
             arrays[key] = each.toarray()
+    if rows := {key.removeprefix("rows_"): arrays.pop(key) for key in list(arrays) if key.startswith("rows_")}:
+        arrays["rows"] = rows
     factors = [arrays.pop(key) for key in ("X", "alpha") if key in arrays]
     stem = os.path.basename(name).rsplit(".", 1)[0]
     if factors:
@@ -173,7 +186,8 @@ def load(path: Any) -> Any:
         path: a problem file (JSON, Siconos' dense text of an LCP or MLCP, or a Matrix Market pair), "F.scenes#120" for
             step 120 of a simulation, or "F.scenes" for all its steps. An .npz of numpy or a .mat of MATLAB (with scipy,
             up to version 7) holds arguments of Problem by name: M and q, with lower, upper, friction_of and mu, or G, N,
-            v and so on. friction_of is counted from 0, and -1 stands for none.
+            v and so on, and rows_R, rows_lower and so on for those of rows. friction_of is counted from 0, and -1 stands
+            for none.
 
     Returns:
         A Problem, of a captured step with the engine's impulses, or `Scenes` for a whole file of steps.
@@ -274,9 +288,12 @@ class Recorder:
             raise RuntimeError("Recorder: is closed")
         if not isinstance(captured, (Problem, Step)):
             raise TypeError(f"captured: expected a Step or a Problem, got {type(captured).__name__}")
-        each = Step(captured, impulses=captured.engine_impulses) if isinstance(captured, Problem) else captured
+        each = captured
+        if isinstance(each, Problem):
+            each = Step(each, impulses=each.engine_impulses, row_impulses=each.engine_row_impulses)
         number = max(self._seen - 1, self._last + 1) if step is None else _integer(step, "step", _LARGEST_STEP)
-        fields = {name: getattr(each, name) for name in ("time", "gap", "contact_ids", "impulses", "velocity")}
+        fields = {name: getattr(each, name) for name in ("time", "gap", "contact_ids", "impulses", "row_impulses",
+                                                        "velocity")}
         fields.update(poses=rows(pose_rows(each.poses)), contact_frames=rows(each.contact_frames))
         self._writer.add(number, each.problem._data, {**fields, "notes": each.notes})
         for what, _, count in (note.rpartition(": ") for note in each.notes):

@@ -12,7 +12,7 @@ from ._native import InputError
 
 BODY = {"position": np.zeros(3), "linear_velocity": np.zeros(3), "angular_velocity": np.zeros(3)}  # defaults
 FIELDS = ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t", "offset_t",
-          "lower", "upper", "friction_of")
+          "lower", "upper", "friction_of", "rows")
 CONTACT = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "compliance_n": 0.0, "compliance_t": 0.0,
            "offset_t": np.zeros(2)}
 
@@ -153,13 +153,62 @@ def _bounds(n: int, lower: Any, upper: Any, friction_of: Any, mu: Any) -> tuple[
     return low, _with_none(upper, "upper", n, np.inf), of, np.where(rows, _with_none(mu, "mu", n, 0.0), 0.0)
 
 
+ROWS = ("R", "lower", "upper", "b", "compliance", "friction_of", "mu", "unit", "names")
+
+
+def _row_texts(values: Any, name: str, m: int) -> list[str]:
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise TypeError(f"{name}: expected a list of texts, got {type(values).__name__}")
+    texts = list(values)
+    for i, each in enumerate(texts):
+        if not isinstance(each, str):
+            raise TypeError(f"{name}[{i}]: expected a text, got {type(each).__name__}")
+    if len(texts) != m:
+        raise InputError(f"{name} has {len(texts)} entries, expected {m}: one for each column of rows.R")
+    return texts
+
+
+def _bounded_rows(rows: Any) -> dict[str, Any] | None:
+    """All fields of the rows, m entries each; None where there are no rows."""
+    if rows is None:
+        return None
+    full = _full(rows, "rows", dict.fromkeys(ROWS[3:]), ROWS[:3])
+    R = full["R"] = _checked(full["R"], "rows.R")
+    m = _columns(R, "rows.R")
+    if full["mu"] is not None and full["friction_of"] is None:
+        raise InputError("rows.mu: belongs to rows.friction_of")
+    of = [_integer(each, f"rows.friction_of[{i}]")
+          for i, each in enumerate(_with_none(full["friction_of"], "rows.friction_of", m, -1))]
+    loaded = np.array(of, dtype=int) >= 0
+    if loaded.any() and full["mu"] is None:
+        raise InputError("rows.mu is missing: there are rows of friction")
+    for key, none in (("lower", -np.inf), ("upper", np.inf)):
+        one_for_all = full[key] is not None and _shape(full[key], f"rows.{key}") == ()
+        full[key] = _with_none(full[key], f"rows.{key}", m, none)
+        if one_for_all:
+            full[key][loaded] = none
+    for key in ("b", "compliance"):
+        if full[key] is None or _shape(full[key], f"rows.{key}") == ():
+            full[key] = np.full(m, 0.0 if full[key] is None else _number(full[key], f"rows.{key}"))
+    unit = full["unit"] or "m"
+    units = [unit] * m if isinstance(unit, str) else _row_texts(unit, "rows.unit", m)
+    for i, each in enumerate(units):
+        if each not in ("m", "rad"):
+            raise InputError(f"rows.unit[{i}] is {each!r}, expected 'm' or 'rad'")
+    names = [] if full["names"] is None else _row_texts(full["names"], "rows.names", m)
+    return {**full, "friction_of": of, "mu": np.where(loaded, _with_none(full["mu"], "rows.mu", m, 0.0), 0.0),
+            "unit": [each == "rad" for each in units], "names": names}
+
+
 class Problem:
     """One time step's contacts: find impulses under which no contact approaches and friction opposes slip.
 
     With ngc generalized coordinates and nc contacts, v+ = v + inv(G) (N f_N + D f_D) is the velocity after the step,
     and each contact keeps 0 <= f_N, w >= 0, f_N w = 0 with w = N'v+ + b, and friction in a pyramid of its edges. A soft
     contact gives way: w = N'v+ + b + compliance_n f_N, and its friction opposes the tangential velocity + offset_t +
-    compliance_t f_T, where f_T is its impulse along both tangents. Data are copied and never change.
+    compliance_t f_T, where f_T is its impulse along both tangents. Bounded rows stand for joints, limits, motors and dry
+    friction in joints: with R f_R beside N f_N + D f_D, each keeps lower <= f_R <= upper for w = R'v+ + b + compliance f_R,
+    and w >= 0 at its lower bound, <= 0 at its upper, 0 between. Data are copied and never change.
 
     Args:
         G: inertia [kg, kg m^2]: (ngc, ngc), symmetric positive definite, or a list of its diagonal blocks. Mirrored
@@ -176,6 +225,10 @@ class Problem:
         offset_t: (2 nc,) or (nc, 2): offset of the velocity along both tangents of contacts with friction [m/s].
         tangents: (ngc, 2 nc), instead of D: both unit tangents of each contact, which get a pyramid of four edges. That they
             are at right angles is the caller's promise, not tested.
+        rows: a dict of bounded rows, or None: R, (ngc, m), dense or scipy.sparse; lower <= 0 and upper >= 0, (m,) or one
+            number [N s, N m s], infinite or None where there is none. Optional: b [m/s, rad/s], compliance [m/s per N s, rad/s
+            per N m s], (m,) or one number; friction_of, (m,), with mu: row i is bounded by +-mu[i] f_R[friction_of[i]], -1 or
+            None: by lower and upper; unit, "m" or "rad", (m,) or one for all; names, m texts.
         G_factors: (X, alpha), instead of G: G = X diag(alpha) X', of any rank.
         Ginv: (ngc, ngc), instead of G: its inverse, where nothing else is known.
         M, q: (n, n) and (n,), instead of all others: a bare LCP, z >= 0, M z + q >= 0, z'(M z + q) = 0.
@@ -189,32 +242,35 @@ class Problem:
     Attributes:
         v, N, D, mu, edges, G, Ginv: as given; G None where it is not known.
         b, compliance_n, compliance_t (nc,), offset_t (2 nc,): zeros where none was given.
+        rows: a dict with all fields, names None where there are none; None without rows.
         M, q: the LCP, formed on first use.
         lower, upper, friction_of, mu: of an LCP.
         points: (nc, 3) [m] of a problem from bodies, or None.
-        engine_impulses: of a captured step those that the engine found, as `Step.impulses`; else None.
+        engine_impulses, engine_row_impulses: of a captured step those that the engine found, as `Step.impulses` and
+            `Step.row_impulses`; else None.
 
     Raises:
         InputError: an argument is missing, has another shape, is not finite, or does not fit the others.
         TypeError: an argument holds no numbers.
     """
 
-    __slots__ = ("_data", "_contact_names", "_engine_model", "engine_impulses")
+    __slots__ = ("_data", "_contact_names", "_engine_model", "engine_impulses", "engine_row_impulses")
     _data: _native.Problem
     _contact_names: list[str]  # for sentences: those of the Step that it is part of
     _engine_model: str | None  # the friction that the engine solves, where it is not the problem's own
 
     def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
                  edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
-                 offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
-                 lower: Any = None, upper: Any = None, friction_of: Any = None, name: str = "problem",
+                 offset_t: Any = None, rows: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None,
+                 q: Any = None, lower: Any = None, upper: Any = None, friction_of: Any = None, name: str = "problem",
                  validate: bool = True) -> None:
         _name(name)
-        self._contact_names, self._engine_model, self.engine_impulses = [], None, None
+        self._contact_names, self._engine_model = [], None
+        self.engine_impulses, self.engine_row_impulses = None, None
         if M is not None or q is not None:
             others = dict(G=G, N=N, D=D, mu=mu if friction_of is None else None, v=v, b=b, edges=edges,
                           tangents=tangents, compliance_n=compliance_n,
-                          compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
+                          compliance_t=compliance_t, offset_t=offset_t, rows=rows, G_factors=G_factors, Ginv=Ginv)
             extra = next((f", and not {key}" for key, value in others.items() if value is not None), "")
             if extra or M is None or q is None:
                 raise InputError("a bare LCP has M and q" + (extra or " both"))
@@ -237,8 +293,8 @@ class Problem:
         if kind == "G_factors" and (not isinstance(value, (tuple, list)) or len(value) != 2):
             raise InputError("G_factors: expected the pair (X, alpha)")
         N, D, tangents = _checked(N, "N"), _checked(D, "D"), _checked(tangents, "tangents")
-        nc = _columns(N, "N")
-        for matrix, text in ((N, "N"), (D, "D"), (tangents, "tangents")):
+        nc, bounded = _columns(N, "N"), _bounded_rows(rows)
+        for matrix, text in ((N, "N"), (D, "D"), (tangents, "tangents"), (bounded and bounded["R"], "rows.R")):
             shape, ngc = (() if matrix is None else _shape(matrix, text)), _shape(v, "v")
             if len(shape) == 2 and len(ngc) == 1 and shape[0] != ngc[0] == shape[1]:
                 raise InputError(f"{text} has shape {shape}, expected ({ngc[0]}, columns): this is the transpose")
@@ -262,13 +318,14 @@ class Problem:
             compliance_t = np.where(np.array(counts) > 0, _number(compliance_t, "compliance_t"), 0.0)
         if offset_t is not None and _shape(offset_t, "offset_t") == (nc, 2):
             offset_t = np.ravel(offset_t)
-        self._data = _native.contacts(v, N, D, counts, mu, b, compliance_n, compliance_t, offset_t, kind, value, name,
-                                      validate)
+        self._data = _native.contacts(v, N, D, counts, mu, b, compliance_n, compliance_t, offset_t, bounded, kind, value,
+                                      name, validate)
 
     @classmethod
     def _of(cls, data: _native.Problem) -> Problem:
         result = cls.__new__(cls)
-        result._data, result._contact_names, result._engine_model, result.engine_impulses = data, [], None, None
+        result._data, result._contact_names, result._engine_model = data, [], None
+        result.engine_impulses, result.engine_row_impulses = None, None
         return result
 
     @classmethod
@@ -357,8 +414,9 @@ class Problem:
         if self.kind == "lcp":
             return f"<lcpbench.Problem '{self.name}': LCP of order {self.size}>"
         rough = int(np.count_nonzero(self._data.mu))
+        m = self._data.row_count
         return (f"<lcpbench.Problem '{self.name}': {self.nc} contacts, {rough} with friction, "
-                f"{len(self._data.v)} coordinates>")
+                f"{f'{m} bounded rows, ' if m else ''}{len(self._data.v)} coordinates>")
 
     def _repr_html_(self) -> str:
         from ._picture import problem_html

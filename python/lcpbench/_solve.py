@@ -58,8 +58,8 @@ def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: A
                                   solved_at))
 
 
-def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *, model: str | None = None,
-          solved_at: float | None = None) -> Verdict:
+def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *, row_impulses: Any = None,
+          model: str | None = None, solved_at: float | None = None) -> Verdict:
     """Judges an answer, whoever found it, against the data of the problem alone.
 
     Args:
@@ -67,8 +67,9 @@ def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *
         impulses: an Answer, or float64 or float32 [N s]; one of z of (n,); f_N of each contact and then f_D of each
             friction direction, (nc + sum(edges),), to which the least lambda is added; or (nc, 3): each contact's normal
             impulse and its impulses along both tangents, which are the directions 0 and edges / 4. None: those of the
-            engine that the step was captured from.
+            engine that the step was captured from. Those of bounded rows stand at the end of z, and of f_N and f_D.
         velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
+        row_impulses: (m,): those of bounded rows [N s, N m s], where impulses does not have them.
         model: "pyramid", the problem's own friction, "cone", the round Coulomb cone around its
             tangents, or "convex", its convex relaxation. None: that of an Answer, or of the engine whose impulses are judged
             (MuJoCo's elliptic cones are convex), else the pyramid.
@@ -86,12 +87,13 @@ def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *
         if problem.engine_impulses is None:
             raise InputError("impulses: is None, and the problem has no impulses of an engine")
         impulses, model = problem.engine_impulses, model or problem._engine_model
+        row_impulses = problem.engine_row_impulses if row_impulses is None else row_impulses
     if isinstance(impulses, Answer):
         velocity = impulses._velocity if velocity is None else velocity
         model = impulses.model if model is None else model
         impulses = impulses._vector()
     model = "pyramid" if model is None else model
-    z = _native.complete_answer(problem._data, impulses, _text(model, "model"))
+    z = _native.complete_answer(problem._data, impulses, _text(model, "model"), row_impulses)
     bound = 0.0 if solved_at is None else _number(solved_at, "solved_at")
     if solved_at is not None and not 0 < bound <= 1:
         raise InputError(f"solved_at is {solved_at!r}, expected a number in (0, 1]")
@@ -112,7 +114,7 @@ class Answer:
         solver: the solver with its settings.
         claim: the solver's own word: "solved", "unsolvable", "iteration_limit", "time_limit", "numerical_failure" or
             "unsupported"; of another library also "crashed".
-        z: (n,): f_N, f_D, lambda; (0,) where the solver gave none: velocity and impulses are InputErrors then.
+        z: (n,): f_N, f_D, lambda, f_R; (0,) where the solver gave none: velocity and impulses are InputErrors then.
         detail: the solver's words.
         which_impulses: "even": those that equally stiff contacts would carry, as of "auto{impulses=even}"; "any": any
             of those that give the motion; "": the solver does not tell.
@@ -164,6 +166,11 @@ class Answer:
     def impulses(self) -> np.ndarray:
         """(nc, 3): normal and both tangents [N s], as `check` takes them."""
         return _frozen(_impulse_rows(self.problem.edges, self._vector()))
+
+    @property
+    def row_impulses(self) -> np.ndarray:
+        """(m,): those of the bounded rows [N s, N m s]."""
+        return np.asarray(self._vector()[self.problem.size - self.problem._data.row_count :])
 
     @property
     def check(self) -> Verdict:
@@ -323,6 +330,11 @@ class ContactSolver(_native.ContactSolver):
     def impulses(self) -> np.ndarray:
         """(nc, 3): normal and both tangents [N s], as `check` takes them."""
         return _impulse_rows(self._current().edges, self.z)
+
+    @property
+    def row_impulses(self) -> np.ndarray:
+        """(m,): those of the bounded rows [N s, N m s]."""
+        return np.asarray(self.z[self._current().size - self._current().row_count :])
 
     def set_velocity(self, v: Any) -> None:
         """Another velocity for the same contacts and inertia. Args: v, (ngc,) [m/s, rad/s]. Cheaper than `update`."""

@@ -3,10 +3,13 @@
     python -m lcpbench.fclib walk.scenes --out FOLDER           writes each step that FCLIB has as FOLDER/walk-120.hdf5
     python -m lcpbench.fclib a.hdf5 b.hdf5 --out both.scenes    makes each file a step, numbered from 0
 
-    global:  M v = H r + f,  u = H'v + w     G = M, v = M^-1 f, N and tangents from columns of H, w = (b, offset_t)
-    local:   u = W r + q                     G^-1 = W, v = q, N and tangents from columns of the identity
+    global:  M v = H r + G l + f,  u = H'v + w,  G'v + b = 0     G = M, v = M^-1 f, N and tangents from columns of H,
+                                                                 w = (b, offset_t); rows without bounds: R = G, b
+    local:   u = W r + V l + q,  V'r + R l + s = 0               G^-1 = (W V; V' R), v = (q, s), N, tangents and R of rows
+                                                                 from columns of the identity
 
 The friction disc of FCLIB becomes a pyramid of four edges along the file's two tangents; in the plane there are two.
+FCLIB has no units: those of equality constraints become "m".
 """
 
 from __future__ import annotations
@@ -153,7 +156,7 @@ def load(path: Any, *, symmetrize: bool = False) -> Problem:
 
     Raises:
         InputError: names file, dataset and cause: what is damaged or larger than the file, M that is not positive
-            definite, or what is outside of the model: equality constraints, and rolling friction.
+            definite, or what is outside of the model: rolling friction.
     """
     name = _path(path)
     with _File(name) as file:
@@ -167,9 +170,11 @@ def load(path: Any, *, symmetrize: bool = False) -> Problem:
         if dimension not in (2, 3):
             raise file.error(f"{group}/spacedim", f"is {dimension}, expected 2 or 3")
         equality = f"{group}/{'G' if group == 'fclib_global' else 'V'}"
-        if file.has(f"{equality}/n") and file.integer(f"{equality}/n") > 0:
-            raise file.error(equality, "equality constraints are outside of the model")
+        equalities = file.integer(f"{equality}/n") if file.has(f"{equality}/n") else 0
         offsets: dict[str, Any] = {}
+        rows: dict[str, Any] = dict(lower=None, upper=None)
+        if equalities:
+            rows["R"] = file.matrix(equality)
         if group == "fclib_global":
             blocks, H = file.blocks(f"{group}/M", symmetrize), file.matrix(f"{group}/H")
             f = file.vector(f"{group}/vectors/f", sum(map(len, blocks)))
@@ -187,8 +192,10 @@ def load(path: Any, *, symmetrize: bool = False) -> Problem:
             if w.any():
                 offsets = dict(b=w[:, 0], offset_t=np.hstack([w[:, 1:], np.zeros((len(w), 3 - dimension))]))
             inertia: dict[str, Any] = {"G": blocks}
+            if equalities:
+                rows["b"] = file.vector(f"{group}/vectors/b", equalities)
         else:
-            from scipy.sparse import identity
+            from scipy.sparse import eye, identity
 
             W = file.symmetric(f"{group}/W", symmetrize)
             if W.shape[0] ** 2 > _MOST:
@@ -196,6 +203,13 @@ def load(path: Any, *, symmetrize: bool = False) -> Problem:
             if W.shape[0] % dimension:
                 raise file.error(f"{group}/W", f"{W.shape[0]} rows are no multiple of {dimension}")
             inertia, v, H = {"Ginv": W.toarray()}, file.vector(f"{group}/vectors/q", W.shape[0]), identity(W.shape[0])
+            if equalities:
+                V, R = rows["R"].toarray(), file.symmetric(f"{group}/R", symmetrize).toarray()
+                if V.shape[0] != len(v) or len(R) != equalities or (len(v) + equalities) ** 2 > _MOST:
+                    raise file.error(equality, f"is {V.shape[0]} x {equalities}, beside a W of {len(v)} rows and an R of {len(R)}")
+                inertia = {"Ginv": np.block([[W.toarray(), V], [V.T, R]])}
+                H, rows["R"] = eye(len(v) + equalities, len(v)), eye(len(v) + equalities, equalities, -len(v))
+                v = np.concatenate([v, file.vector(f"{group}/vectors/s", equalities)])
         H = H.tocsc()
         nc = H.shape[1] // dimension
         mu, tangents = file.vector(f"{group}/vectors/mu", nc), np.arange(H.shape[1]).reshape(nc, dimension)[:, 1:]
@@ -205,7 +219,8 @@ def load(path: Any, *, symmetrize: bool = False) -> Problem:
             twice = np.repeat(tangents, 2)
             friction = dict(D=H[:, twice].multiply(np.tile([1.0, -1.0], nc)).tocsc(), edges=2)
         try:
-            return Problem(**inertia, **friction, **offsets, N=H[:, ::dimension], mu=mu, v=v, name=os.path.basename(name))
+            return Problem(**inertia, **friction, **offsets, N=H[:, ::dimension], mu=mu, v=v,
+                           rows=rows if equalities else None, name=os.path.basename(name))
         except InputError as error:
             raise InputError(f"{name}: {group}: {error}") from None
 
@@ -218,8 +233,11 @@ def _why_not(problem: Problem) -> str:
     """Why FCLIB cannot hold the problem, or ""."""
     if problem.kind == "lcp":
         return "a bare LCP is no problem of contacts"
-    if problem.compliance_n.any() or problem.compliance_t.any():
+    rows = problem.rows
+    if problem.compliance_n.any() or problem.compliance_t.any() or (rows and rows["compliance"].any()):
         return "FCLIB has no compliance"
+    if rows and (np.isfinite(rows["lower"]) | np.isfinite(rows["upper"]) | (np.array(rows["friction_of"]) >= 0)).any():
+        return "of bounded rows FCLIB has equality constraints alone"
     if _dimension(problem) == 3 and (why := _native.why_no_round_cone(problem._data)):
         return f"FCLIB has the friction disc alone: {why}"
     return ""
@@ -248,7 +266,8 @@ def _write_matrix(group: Any, name: str, matrix: Any) -> None:
 
 
 def save(problem: Problem | Step, path: Any, answer: Answer | None = None) -> None:
-    """Writes a problem of contacts as libfclib reads it: global, or local where only G^-1 is known.
+    """Writes a problem of contacts as libfclib reads it: global, or local where only G^-1 is known. Bounded rows without
+    bounds are its equality constraints.
 
     Args:
         problem: a Problem, or a Step. Friction directions that form a regular polygon are written as the disc around
@@ -258,7 +277,8 @@ def save(problem: Problem | Step, path: Any, answer: Answer | None = None) -> No
             as "cone_ipm{cone=true}" does.
 
     Raises:
-        InputError: a bare LCP, compliance, or friction directions without a round cone; the file cannot be written.
+        InputError: a bare LCP, compliance, other bounded rows, or friction directions without a round cone; the file
+            cannot be written.
     """
     from scipy.sparse import block_diag, csc_matrix
 
@@ -266,7 +286,7 @@ def save(problem: Problem | Step, path: Any, answer: Answer | None = None) -> No
     if why := _why_not(whole):
         raise InputError(f"problem: {why}")
     H, dimension = _directions(whole)
-    inertia, local = whole.G, whole.G is None
+    inertia, local, rows = whole.G, whole.G is None, whole.rows
     offset = np.column_stack([whole.b, whole.offset_t.reshape(-1, 2)[:, : dimension - 1]]).ravel()
     try:
         file = h5py.File(name, "w")
@@ -279,11 +299,18 @@ def save(problem: Problem | Step, path: Any, answer: Answer | None = None) -> No
         if local:
             _write_matrix(group, "W", csc_matrix(H.T @ whole.Ginv @ H))
             vectors["q"] = H.T @ whole.v + offset
+            if rows:
+                _write_matrix(group, "V", csc_matrix(H.T @ whole.Ginv @ rows["R"]))
+                _write_matrix(group, "R", csc_matrix(rows["R"].T @ whole.Ginv @ rows["R"]))
+                vectors["s"] = rows["R"].T @ whole.v + rows["b"]
         else:
             M = block_diag(inertia) if isinstance(inertia, list) else csc_matrix(inertia)
             _write_matrix(group, "M", M)
             _write_matrix(group, "H", H)
             vectors["f"], vectors["w"] = M @ whole.v, offset
+            if rows:
+                _write_matrix(group, "G", csc_matrix(rows["R"]))
+                vectors["b"] = rows["b"]
         info = group.create_group("info")
         for key, text in (("title", whole.name), ("description", f"written by lcpbench {_native.__version__}"),
                           ("math_info", "")):
@@ -292,6 +319,8 @@ def save(problem: Problem | Step, path: Any, answer: Answer | None = None) -> No
             solution = file.create_group("solution")
             solution["v"], solution["u"] = answer.velocity, H.T @ answer.velocity + offset
             solution["r"] = answer.impulses[:, :dimension].ravel()
+            if rows:
+                solution["l"] = answer.row_impulses
 
 
 def main() -> None:

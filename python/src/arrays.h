@@ -94,15 +94,29 @@ inline Jacobian jacobian(nb::handle value, const std::string& name, Index rows, 
   return nb::cast<SparseMatrix>(csc);
 }
 
-/// [f_N; f_D] from that, or from a row (normal, tangent, tangent) for each contact.
+/// [f_N; f_D; f_R] from that, or from [f_N; f_D] or a row (normal, tangent, tangent) for each contact.
+/// @param rows  f_R where `value` does not have it, or None
 /// @param more  another shape that the caller takes, for the message @throws InputError
-inline Vector contact_impulses(const ContactProblem& contact, nb::handle value, const std::string& more = "") {
+inline Vector contact_impulses(const ContactProblem& contact, nb::handle value, nb::handle rows,
+                               const std::string& more = "") {
   const ContactLayout layout = contact_layout(contact);
+  const Index all = layout.lambda_offset() + layout.rows;
   const Array given = numbers(value, "impulses");
-  if (given.ndim() == 1 && length(given, 0) == layout.lambda_offset()) return vector(value, "impulses");
+  const Index of_value = rows.is_none() ? all : layout.lambda_offset();
+  Vector f = Vector::Zero(all);
+  if (!rows.is_none()) f.tail(layout.rows) = vector(rows, "row_impulses", layout.rows);
+  if (given.ndim() == 1 && length(given, 0) == of_value) {
+    f.head(of_value) = vector(value, "impulses");
+    return f;
+  }
+  if (rows.is_none() && layout.rows > 0 && given.ndim() == 2) {
+    throw InputError("row_impulses is missing: there are " + std::to_string(layout.rows) + " bounded rows");
+  }
   if (given.ndim() != 2 || length(given, 0) != layout.nc || length(given, 1) != 3) {
     throw InputError("impulses has shape " + shape_text(value) + ", expected " + more + "(" +
-                     std::to_string(layout.lambda_offset()) + ",) for [f_N; f_D], or (" + std::to_string(layout.nc) +
+                     std::to_string(of_value) +
+                     (of_value > layout.lambda_offset() ? ",) for [f_N; f_D; f_R], or (" : ",) for [f_N; f_D], or (") +
+                     std::to_string(layout.nc) +
                      ", 3) for the normal and both tangents");
   }
   // Four edges are along both tangents, even where a mechanism makes these the same direction.
@@ -110,15 +124,14 @@ inline Vector contact_impulses(const ContactProblem& contact, nb::handle value, 
     const std::string no_cone = why_no_round_cone(contact);
     if (!no_cone.empty()) throw InputError("impulses: " + no_cone);
   }
-  const Matrix rows = matrix(value, "impulses");
-  Vector f = Vector::Zero(layout.lambda_offset());
-  f.head(layout.nc) = rows.col(0);
+  const Matrix axes = matrix(value, "impulses");
+  f.head(layout.nc) = axes.col(0);
   for (Index i = 0; i < layout.nc; ++i) {
     const auto at = static_cast<std::size_t>(i);
     if (contact.edges[at] > 0) {
-      share_among_directions(rows(i, 1), rows(i, 2),
+      share_among_directions(axes(i, 1), axes(i, 2),
                              f.segment(layout.nc + layout.friction_begin[at], contact.edges[at]));
-    } else if (rows(i, 1) != 0 || rows(i, 2) != 0) {
+    } else if (axes(i, 1) != 0 || axes(i, 2) != 0) {
       throw InputError("impulses[" + std::to_string(i) + "] has friction, and the contact has none");
     }
   }

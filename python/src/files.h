@@ -56,7 +56,11 @@ inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::
     check_distinct(step.contact_ids, "contact_ids");
   }
   if (!nb::try_cast(fields["notes"], step.notes)) throw nb::type_error("notes: expected texts");
-  if (given("impulses")) step.engine_impulses = contact_impulses(*contact, fields["impulses"]);
+  if (given("impulses")) {
+    step.engine_impulses = contact_impulses(*contact, fields["impulses"], fields["row_impulses"]);
+  } else if (given("row_impulses")) {
+    throw InputError("row_impulses: given without impulses");
+  }
   if (given("velocity")) step.engine_velocity = vector(fields["velocity"], "velocity", contact->ngc());
   for (auto& [name, rows] : {std::pair{"poses", &step.poses}, std::pair{"contact_frames", &step.contact_frames}}) {
     if (given(name) && !nb::try_cast(fields[name], *rows)) {

@@ -61,9 +61,32 @@ Inertia inertia_of(const std::string& kind, const nb::object& value, Index ngc) 
   return inertia;
 }
 
+/// @param rows  as _bounded_rows() of _problem.py makes them
+BoundedRows bounded_rows(const nb::dict& rows, Index ngc) {
+  BoundedRows result;
+  const Vector lower = vector(rows["lower"], "rows.lower");
+  const auto each = [&](const char* field) {
+    return vector(rows[field], std::string("rows.") + field, lower.size());
+  };
+  const auto optional = [&](const char* field) {
+    Vector values = each(field);
+    if (values.isZero(0)) values.resize(0);
+    return values;
+  };
+  result.R = jacobian(rows["R"], "rows.R", ngc, lower.size());
+  result.bounds = {lower, each("upper"), nb::cast<std::vector<int>>(rows["friction_of"]), each("mu")};
+  result.bounds.drop_huge();
+  result.b = optional("b");
+  result.compliance = optional("compliance");
+  for (const nb::handle is_angle : rows["unit"]) result.is_angle.push_back(nb::cast<bool>(is_angle) ? 1 : 0);
+  result.names = nb::cast<std::vector<std::string>>(rows["names"]);
+  return result;
+}
+
 Problem contacts(const nb::object& v, const nb::object& N, const nb::object& D, const std::vector<int>& edges,
                  const nb::object& mu, const nb::object& b, const nb::object& compliance_n,
-                 const nb::object& compliance_t, const nb::object& offset_t, const std::string& kind,
+                 const nb::object& compliance_t, const nb::object& offset_t, const nb::object& rows,
+                 const std::string& kind,
                  const nb::object& inertia, const std::string& name, bool check) {
   ContactProblem problem;
   problem.v = vector(v, "v");
@@ -84,6 +107,7 @@ Problem contacts(const nb::object& v, const nb::object& N, const nb::object& D, 
   problem.compliance_t = optional(compliance_t, "compliance_t", nc);
   problem.offset_t = optional(offset_t, "offset_t", 2 * nc);
   problem.inertia = inertia_of(kind, inertia, problem.ngc());
+  if (!rows.is_none()) problem.rows = bounded_rows(nb::borrow<nb::dict>(rows), problem.ngc());
   check ? check_contact(problem, "Problem") : check_usable(problem);
   return {name, std::move(problem)};
 }
@@ -152,6 +176,25 @@ const ContactProblem& contact_of(const Problem& problem) {
 Vector or_zeros(const Problem& problem, Vector ContactProblem::* field, Index each) {
   const ContactProblem& contact = contact_of(problem);
   return (contact.*field).size() > 0 ? contact.*field : Vector(Vector::Zero(each * contact.nc()));
+}
+
+nb::object rows_object(const Problem& problem) {
+  const BoundedRows& rows = contact_of(problem).rows;
+  if (rows.size() == 0) return nb::none();
+  const auto all = [&](const Vector& values) { return nb::cast(values.size() > 0 ? values : Vector(0 * rows.bounds.mu)); };
+  nb::dict fields;
+  fields["R"] = nb::cast(rows.R);
+  fields["lower"] = nb::cast(rows.bounds.lower);
+  fields["upper"] = nb::cast(rows.bounds.upper);
+  fields["b"] = all(rows.b);
+  fields["compliance"] = all(rows.compliance);
+  fields["friction_of"] = nb::cast(rows.bounds.friction_of);
+  fields["mu"] = nb::cast(rows.bounds.mu);
+  nb::list units;
+  for (const char is_angle : rows.is_angle) units.append(is_angle != 0 ? "rad" : "m");
+  fields["unit"] = units;
+  fields["names"] = rows.names.empty() ? nb::none() : nb::cast(rows.names);
+  return fields;
 }
 
 nb::object inertia_object(const Problem& problem) {
@@ -265,7 +308,8 @@ FrictionModel model_of(const std::string& name) {
 
 /// Takes z, and what contact_impulses() takes.
 /// @throws InputError also where the model of friction is not defined for the problem
-Vector complete_answer(const Problem& problem, const nb::object& value, const std::string& model) {
+Vector complete_answer(const Problem& problem, const nb::object& value, const std::string& model,
+                       const nb::object& row_impulses) {
   const FrictionModel friction = friction_model(model_of(model), problem);
   const Array given = numbers(value, "impulses");
   const Index n = problem.size();
@@ -273,8 +317,9 @@ Vector complete_answer(const Problem& problem, const nb::object& value, const st
   const ContactProblem& contact = *problem.contact();
   const std::string no_cone = friction == FrictionModel::kPyramid ? "" : why_no_cone(contact);
   if (!no_cone.empty()) throw InputError("model '" + model + "': " + no_cone);
-  if (given.ndim() == 1 && length(given, 0) == n) return vector(value, "impulses");
-  return complete_impulses(contact, contact_impulses(contact, value, "(" + std::to_string(n) + ",) for z, "));
+  if (given.ndim() == 1 && length(given, 0) == n && row_impulses.is_none()) return vector(value, "impulses");
+  const std::string more = "(" + std::to_string(n) + ",) for z, ";
+  return complete_impulses(contact, contact_impulses(contact, value, row_impulses, more));
 }
 
 /// The fields of Python's Verdict. @param solved_at  the verdict's bound; 0: that of the problem's kind
@@ -454,19 +499,22 @@ void define(nb::module_& module) {
       .def_prop_ro("edges", [](const Problem& p) { return contact_of(p).edges; })
       .def_prop_ro("N", [](const Problem& p) { return contact_of(p).N; })
       .def_prop_ro("D", [](const Problem& p) { return contact_of(p).D; })
+      .def_prop_ro("rows", &rows_object)
+      .def_prop_ro("row_count", [](const Problem& p) { return contact_of(p).rows.size(); })
       .def_prop_ro("G", &inertia_object)
       .def_prop_ro("Ginv", [](const Problem& p) { return inverse_inertia(contact_of(p).inertia); })
       .def_prop_ro("points", &points)
       .def("velocity", [](const Problem& p, const Vector& z) { return post_impact_velocity(contact_of(p), z); });
   module.def("contacts", &contacts, "v"_a, "N"_a, "D"_a.none(), "edges"_a, "mu"_a, "b"_a.none(),
-             "compliance_n"_a.none(), "compliance_t"_a.none(), "offset_t"_a.none(), "kind"_a, "inertia"_a, "name"_a,
-             "check"_a);
+             "compliance_n"_a.none(), "compliance_t"_a.none(), "offset_t"_a.none(), "rows"_a.none(), "kind"_a,
+             "inertia"_a, "name"_a, "check"_a);
   module.def("bare", &bare);
   module.def("scene", &scene);
   module.def("solve", &solve);
   module.def("mujoco_step", &mujoco_step, "efc_J"_a, "force"_a, "efc_pos"_a, "contact"_a, "limits"_a, "pyramidal"_a,
              "G"_a, "qvel"_a, "h"_a, "Z"_a.none(), "name"_a);
-  module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none(), "model"_a);
+  module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none(), "model"_a,
+             "row_impulses"_a = nb::none());
   module.def("judge", &judge, "problem"_a, "claim"_a, "z"_a, "velocity"_a.none(), "farkas"_a.none(), "model"_a,
              "detail"_a, "contact_names"_a, "solved_at"_a);
   module.def("why_no_round_cone", [](const Problem& problem) {

@@ -180,6 +180,33 @@ class Fclib(unittest.TestCase):
             self.assertAlmostEqual(fclib.fclib_merit_local(found, 0, solution) / np.linalg.norm(maps)
                                    * (1 + np.sqrt(np.linalg.norm(q))), 1, 12)
 
+    def test_equality_constraints_are_rows_without_bounds(self):
+        E, b = np.array([[1, 0], [0, 0.5], [-1, 2.0]]), np.array([0.25, -1])
+        for local, inertia in ((False, dict(G=M)), (True, dict(Ginv=np.linalg.inv(M)))):
+            problem = lcpbench.Problem(**inertia, N=H[:, ::3], tangents=H[:, [1, 2, 4, 5]], mu=0.5, v=[1, -2, 0.1],
+                                       rows=dict(R=E, lower=None, upper=None, b=b))
+            lcpbench.fclib.save(problem, self.file)
+            again = lcpbench.fclib.load(self.file)
+            np.testing.assert_allclose(again.M, problem.M, atol=1e-14)
+            np.testing.assert_allclose(again.q, problem.q, atol=1e-14)
+            rows = again.rows
+            self.assertEqual((list(rows["lower"]), list(rows["upper"]), rows["unit"], rows["names"]),
+                             ([-np.inf] * 2, [np.inf] * 2, ["m", "m"], None))
+            if local:
+                found = library().fclib_read_local(self.file.encode()).contents
+                Ginv = np.linalg.inv(M)
+                np.testing.assert_allclose(dense(found.V), H.T @ Ginv @ E, atol=1e-15)
+                np.testing.assert_allclose(dense(found.R), E.T @ Ginv @ E, atol=1e-15)
+                np.testing.assert_allclose(found.s[:2], E.T @ [1, -2, 0.1] + b, atol=1e-15)
+            else:
+                found = library().fclib_read_global(self.file.encode()).contents
+                np.testing.assert_array_equal(dense(found.G), E)
+                self.assertEqual(found.b[:2], list(b))
+        self.write(G=E)
+        with h5py.File(self.file, "a") as file:
+            file["fclib_global/vectors/b"] = b
+        np.testing.assert_array_equal(lcpbench.fclib.load(self.file).rows["R"].toarray(), E)
+
     def test_what_is_outside_is_named(self):
         with self.assertRaisesRegex(lcpbench.InputError, "a bare LCP"):
             lcpbench.fclib.save(lcpbench.Problem(M=np.eye(2), q=[1, 2]), self.file)
@@ -192,7 +219,16 @@ class Fclib(unittest.TestCase):
         self.write(M=np.ones((3, 3)))
         self.assertEqual(self.error(), "fclib_global/M: is not positive definite")
         self.write(G=np.eye(3)[:, :1])
-        self.assertEqual(self.error(), "fclib_global/G: equality constraints are outside of the model")
+        self.assertEqual(self.error(), "fclib_global/vectors/b: is missing")
+        self.write(G=np.eye(2))
+        self.assertEqual(self.error(lambda file: file.create_dataset("fclib_global/vectors/b", data=[1.0, 2.0])),
+                         "fclib_global: rows.R has shape (2, 2), expected (3, 2)")
+        free = dict(R=np.ones((3, 1)), lower=None, upper=None)
+        for rows, said in (({**free, "lower": -1}, "of bounded rows FCLIB has equality constraints alone"),
+                           ({**free, "upper": 0.5}, "of bounded rows FCLIB has equality constraints alone"),
+                           ({**free, "compliance": 1}, "FCLIB has no compliance")):
+            with self.assertRaisesRegex(lcpbench.InputError, said):
+                lcpbench.fclib.save(lcpbench.Problem(G=M, N=H[:, :1], v=[0, 0, 1], rows=rows), self.file)
         self.write()
         self.assertEqual(self.error(lambda file: file.create_group("fclib_local_rolling")),
                          "fclib_local_rolling: rolling friction is outside of the model")

@@ -1,4 +1,5 @@
 """The package: solving, judging, files, errors, threads, memory."""
+import copy
 import json
 import math
 import os
@@ -20,6 +21,7 @@ import scipy.sparse
 import lcpbench
 from lcpbench import ContactSolver, InputError, Problem, Recorder, Step, available_solvers, check, load, save, solve
 
+INF = float("inf")
 PROGRAM = os.environ["LCPBENCH_PROGRAM"]
 BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"
 # Set, how many: bare LCPs, contacts with and without friction, bodies, robots, hard cases, problems without a solution.
@@ -327,6 +329,55 @@ class Construction(unittest.TestCase):
                 row, = json.loads(program("solve", f"{folder}/soft.json", "--solver", "auto", "--format", "json"))
                 self.assertEqual(row["verdict"], "solved")
         self.assertEqual(list(Problem(**free).offset_t), [0, 0])
+
+    def test_bounded_rows_stand_beside_contacts(self):
+        R = np.array([[1.0, 0, 0, 2], [0, 1, 0.5, 0], [-1, 0, 0, 1]])
+        G, N, v = np.diag([2.0, 4, 5]), np.array([[0.0], [0], [1]]), np.array([1.0, 0, -1])
+        rows = dict(R=R, lower=[None, -0.1, 0, None], upper=[np.inf, 0.2, 1e20, None], b=[0.5, 0, 0, 0],
+                    compliance=[0, 1e-3, 0, 0], friction_of=[None, -1, None, 2], mu=[None, None, None, 0.3],
+                    unit=["m", "rad", "m", "m"], names=["weld", "", "limit", "screw"])
+        problem = Problem(G=G, N=N, v=v, rows=rows)
+        self.assertEqual((problem.size, problem.nc), (5, 1))
+        self.assertEqual(repr(problem),
+                         "<lcpbench.Problem 'problem': 1 contacts, 0 with friction, 4 bounded rows, 3 coordinates>")
+        J = np.hstack([N, R])
+        M = J.T @ np.linalg.inv(G) @ J
+        M[2, 2] += 1e-3
+        np.testing.assert_allclose(problem.M, M, rtol=1e-15)
+        np.testing.assert_allclose(problem.q, J.T @ v + [0, 0.5, 0, 0, 0], rtol=1e-15)
+        found = problem.rows
+        self.assertEqual({key: list(value) for key, value in found.items() if key != "R"}, dict(
+            lower=[-INF, -0.1, 0, -INF], upper=[INF, 0.2, INF, INF], b=[0.5, 0, 0, 0], compliance=[0, 1e-3, 0, 0],
+            friction_of=[-1, -1, -1, 2], mu=[0, 0, 0, 0.3], unit=rows["unit"], names=rows["names"]))
+        np.testing.assert_array_equal(found["R"], R)
+        sparse = Problem(G=G, N=N, v=v, rows={**found, "R": scipy.sparse.csr_matrix(R)})
+        np.testing.assert_array_equal(sparse.rows["R"].toarray(), R)
+        with tempfile.TemporaryDirectory() as folder:
+            save(problem, f"{folder}/p.json")
+            for again in (sparse, Problem(G=G, N=N, v=v, rows=found), load(f"{folder}/p.json"), copy.deepcopy(problem),
+                          pickle.loads(pickle.dumps(problem))):
+                self.assertEqual(again, problem)
+                self.assertEqual(again.rows["names"], rows["names"])
+            whole = dict(G=G, N=N, v=v, **{f"rows_{key}": value for key, value in found.items() if key != "unit"})
+            np.savez(f"{folder}/p.npz", **whole, rows_unit=found["unit"])
+            for units in (np.array(found["unit"]), np.array(found["unit"], dtype=object)):  # of one length, and cells
+                scipy.io.savemat(f"{folder}/p.mat", {**whole, "rows_unit": units, "rows_R": scipy.sparse.csc_matrix(R)})
+                for end in ("npz", "mat"):
+                    self.assertEqual(load(f"{folder}/p.{end}"), problem)
+                    self.assertEqual(load(f"{folder}/p.{end}").rows["names"], rows["names"])
+            f = dict(impulses=[[0.5, 0, 0]], row_impulses=[1.0, 0, 0.25, -0.125])
+            with Recorder(f"{folder}/f.scenes") as recorder:
+                recorder.add(Step(problem, **f))
+                recorder.add(Step(problem, impulses=np.array([0.5, 1, 0, 0.25, -0.125])))
+                recorder.add(load(f"{folder}/f.scenes#0"))
+            for step in load(f"{folder}/f.scenes"):
+                self.assertEqual((step.impulses.tolist(), step.row_impulses.tolist()), (f["impulses"], f["row_impulses"]))
+        self.assertIsNone(Problem(G=G, N=N, v=v).rows)
+        self.assertIsNone(Problem(G=G, N=N, v=v, rows=dict(R=np.zeros((3, 0)), lower=[], upper=[])).rows)
+        one = Problem(G=G, N=N, v=v, rows=dict(R=R[:, :2], lower=-1, upper=None, b=2, compliance=3, unit="rad")).rows
+        self.assertEqual([list(one[key]) for key in ("lower", "upper", "b", "compliance", "unit")],
+                         [[-1, -1], [INF, INF], [2, 2], [3, 3], ["rad", "rad"]])
+        self.assertIsNone(one["names"])
 
     def test_contacts_without_friction_take_no_part_of_the_tangents(self):
         problem = Problem(G=np.eye(3), N=np.eye(3), tangents=np.ones((3, 6)), mu=[0, 0.5, 0], v=-np.ones(3))

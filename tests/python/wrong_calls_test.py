@@ -21,6 +21,45 @@ def without(key):
     return {name: value for name, value in GOOD.items() if name != key}
 
 
+ROWS = dict(R=[[1.0, 0, 1], [0, 1, 1], [0, 0, 0]], lower=[None, 0, None], upper=None, friction_of=[None, None, 1],
+            mu=[None, None, 0.5], unit=["m", "rad", "m"], names=["hinge", "stop", "screw"])
+
+
+def wrong_rows():
+    for field, values in {
+            "R": (None, "R", np.ones((2, 3)), np.ones(3), [[1j] * 3] * 3, [[NAN] * 3] * 3,
+                  scipy.sparse.csc_matrix((2, 3))),
+            "lower": ([0, 0], "l", [0.5, 0, None], [NAN, 0, None], [None, 0, -1], np.ones((3, 1))),
+            "upper": ([1, 1], "u", [-0.5, None, None], [None, NAN, None], [None, None, 1], {}),
+            "b": ([1, 2], "b", [NAN, 0, 0], [[1, 2, 3]], INF), "compliance": (-1, [0, -1, 0], [1], NAN, "c", [1j] * 3),
+            "friction_of": ([1], [None, None, 3], [None, None, 2], [0, None, 1], [None, None, 0], [None, None, 0.5], "f", [None, None, -2]),
+            "mu": ([1], None, [0, 0, -1], [0, 0, NAN], "mu"),
+            "unit": ("deg", ["m"], ["m", "rad", 3], 3, ["m", "rad", "mm"]),
+            "names": ("name", ["a"], ["a", "b", 3], 3, ["a", "b", "c" * 1001], ["a", "b", "c\n"]),
+            "colour": (1,)}.items():
+        for value in values:
+            yield (f"rows.{field}", lambda field=field, value=value: Problem(**GOOD, rows={**ROWS, field: value}))
+    yield "rows.friction_of", lambda: Problem(**GOOD, rows={**ROWS, "lower": [None, -1, None]})
+    yield "rows.friction_of", lambda: Problem(**GOOD, rows={**ROWS, "R": np.ones((3, 2))})
+    yield "rows.lower[1] (stop)", lambda: Problem(**GOOD, rows={**ROWS, "upper": [None, 0, None]})
+    for field in ("R", "lower", "upper"):
+        yield (f"rows.{field}", lambda field=field: Problem(**GOOD, rows={key: each for key, each in ROWS.items() if key != field}))
+    yield "rows.mu", lambda: Problem(**GOOD, rows={**ROWS, "friction_of": None})
+    for value in (3, "rows", [ROWS]):
+        yield "rows", lambda value=value: Problem(**GOOD, rows=value)
+    yield "rows", lambda: Problem(M=[[1.0]], q=[-1], rows=ROWS)
+    for validate in (True, False):  # what a solver would read past an array by
+        yield "rows.friction_of", lambda v=validate: Problem(**GOOD, rows={**ROWS, "friction_of": [None, None, 7]}, validate=v)
+        yield "rows.R", lambda v=validate: Problem(**GOOD, rows={**ROWS, "R": np.ones((2, 3))}, validate=v)
+        yield "rows.upper", lambda v=validate: Problem(**GOOD, rows={**ROWS, "upper": [1]}, validate=v)
+    some = Problem(**GOOD, rows=ROWS)
+    yield "row_impulses", lambda: check(some, np.zeros((1, 3)))
+    yield "row_impulses", lambda: check(some, np.zeros((1, 3)), row_impulses=[1, 2])
+    yield "row_impulses", lambda: check(some, np.zeros(5), row_impulses="f")
+    yield "impulses", lambda: check(some, np.zeros(5))
+    yield "impulses", lambda: check(some, np.zeros(9), row_impulses=np.zeros(3))
+
+
 def wrong_problems():
     """(what the message names, function)"""
     def problem(names, **changes):
@@ -48,6 +87,7 @@ def wrong_problems():
     yield problem("compliance_t", D=None, mu=0, compliance_t=[1.0])
     yield problem("offset_t", D=None, mu=0, offset_t=[1.0, 0])
     yield "offset_t", lambda: Problem(M=[[1.0]], q=[-1], offset_t=[1.0, 0])
+    yield from wrong_rows()
     for key in ("G", "N", "mu", "v"):
         yield key, lambda key=key: Problem(**without(key))
     yield problem("G", G=np.diag([1.0, 1, -1]))
