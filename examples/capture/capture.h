@@ -83,11 +83,20 @@ static inline int lcpbench_capture_contact(lcpbench_capture* c, int body_a, int 
 static inline int lcpbench_capture_block(lcpbench_capture* c, int n, const double* G, const double* v);
 
 /* A contact of blocks; returns its index. Its Jacobian's rows have `entries` numbers each, at these coordinates, none
- * of them named twice. tangent1 NULL: frictionless, as a joint's limit is. edges: an even number, 0 for frictionless;
+ * of them named twice. tangent1 NULL: frictionless. edges: an even number, 0 for frictionless;
  * the friction directions are at equal angles, beginning with tangent1 and turning to tangent2. */
 static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const int* coordinates, const double* normal,
                                         const double* tangent1, const double* tangent2, double mu, int edges, double b,
                                         const char* id);
+
+/* A bounded row of blocks, behind them: what a joint does beside contacts; returns its index. Along its direction, which
+ * has `entries` numbers at these coordinates, the velocity w = direction'v+ + b + compliance f is zero while the impulse f
+ * is between lower <= 0 <= upper, >= 0 at the lower bound, <= 0 at the upper. Equality constraints have no bounds
+ * (-INFINITY, INFINITY), limits 0 and INFINITY with b = gap / h, dry friction of a torque tau -h tau and h tau. unit: "m",
+ * or "rad" where f turns something. name: for messages, or NULL. */
+static inline int lcpbench_capture_bounded_row(lcpbench_capture* c, int entries, const int* coordinates,
+                                               const double* direction, double lower, double upper, double b,
+                                               double compliance, const char* unit, const char* name);
 
 /* Optional, for pictures: where a contact of blocks is, with the unit normal and the first unit tangent, in the world. */
 static inline void lcpbench_capture_frame(lcpbench_capture* c, int contact, const double point[3],
@@ -99,9 +108,10 @@ static inline void lcpbench_capture_soft(lcpbench_capture* c, double compliance_
                                          double offset_t2);
 
 /* Optional. Gaps (m, negative: penetration) and impulses (N s, on body_a along normal, tangent, normal x tangent; of
- * rows: along the three rows) are written when every contact of the step has one. */
+ * rows: along the three rows) are written when every contact of the step, and every bounded row, has one. */
 static inline void lcpbench_capture_gap(lcpbench_capture* c, int contact, double gap);
 static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, double fn, double ft1, double ft2);
+static inline void lcpbench_capture_row_impulse(lcpbench_capture* c, int row, double f);
 /* The engine's own velocity after the impact: n generalized coordinates (6 a body, linear before angular). */
 static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const double* velocity);
 /* The time that the engine's own solver took for the step [s]: the solver `engine` has it beside the others' times. */
@@ -138,6 +148,11 @@ typedef struct {
 } lcpbench_contact_;
 
 typedef struct {
+  int has_impulse;
+  double impulse;
+} lcpbench_row_;
+
+typedef struct {
   int given;
   double numbers[7];
 } lcpbench_pose_;
@@ -159,6 +174,15 @@ enum {
   LCPBENCH_MU_,
   LCPBENCH_B_,
   LCPBENCH_IDS_,
+  LCPBENCH_R_STARTS_,
+  LCPBENCH_R_ROWS_,
+  LCPBENCH_R_VALUES_,
+  LCPBENCH_LOWER_,
+  LCPBENCH_UPPER_,
+  LCPBENCH_ROW_B_,
+  LCPBENCH_ROW_COMPLIANCE_,
+  LCPBENCH_UNITS_,
+  LCPBENCH_NAMES_,
   LCPBENCH_VELOCITY_,
   LCPBENCH_NOTES_,
   LCPBENCH_TEXTS_
@@ -173,9 +197,12 @@ struct lcpbench_capture {
   int any_step;
   double time;
   double solve_s; /* negative: not told */
-  int bodies, blocks, coordinates, n_entries, d_entries, has_b, has_soft, has_ids, has_friction, has_frames;
+  int bodies, blocks, coordinates, n_entries, d_entries, r_entries, has_b, has_soft, has_ids, has_friction, has_frames;
+  int has_row_b, has_row_compliance, has_names;
   lcpbench_contact_* contacts;
   int contact_count, contact_room;
+  lcpbench_row_* rows;
+  int row_count, row_room;
   lcpbench_pose_* poses;
   int pose_count, pose_room;
 };
@@ -240,17 +267,23 @@ static inline void lcpbench_bad_number_(lcpbench_capture* c, const lcpbench_text
   static const struct {
     int text;
     const char* field;
-  } kTexts[5] = {{LCPBENCH_V_, "v"},
-                 {LCPBENCH_N_VALUES_, "normal"},
-                 {LCPBENCH_D_VALUES_, "tangent"},
-                 {LCPBENCH_MU_, "mu"},
-                 {LCPBENCH_B_, "b"}};
+  } kTexts[10] = {{LCPBENCH_V_, "v"},
+                  {LCPBENCH_N_VALUES_, "normal"},
+                  {LCPBENCH_D_VALUES_, "tangent"},
+                  {LCPBENCH_MU_, "mu"},
+                  {LCPBENCH_B_, "b"},
+                  {LCPBENCH_R_VALUES_, "direction"},
+                  {LCPBENCH_LOWER_, "lower"},
+                  {LCPBENCH_UPPER_, "upper"},
+                  {LCPBENCH_ROW_B_, "b"},
+                  {LCPBENCH_ROW_COMPLIANCE_, "compliance"}};
   const char* const end = text->size > 0 ? strrchr(text->data, '"') : NULL;
   const char* begin = end;
   int i;
-  for (i = 0; i < 5; ++i) {
+  for (i = 0; i < 10; ++i) {
     if (text != &c->text[kTexts[i].text]) continue;
-    lcpbench_not_finite_(c, i == 0 ? "blocks" : "contacts", i == 0 ? c->blocks : c->contact_count, kTexts[i].field, 16);
+    lcpbench_not_finite_(c, i == 0 ? "blocks" : i < 5 ? "contacts" : "rows",
+                         i == 0 ? c->blocks : i < 5 ? c->contact_count : c->row_count, kTexts[i].field, 16);
     return;
   }
   if (text == &c->text[LCPBENCH_BLOCKS_]) {
@@ -426,8 +459,9 @@ static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double 
   c->time = time;
   c->solve_s = -1;
   for (i = LCPBENCH_BODIES_; i < LCPBENCH_TEXTS_; ++i) c->text[i].size = 0;
-  c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = 0;
+  c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = c->r_entries = 0;
   c->has_b = c->has_soft = c->has_ids = c->has_friction = c->has_frames = c->contact_count = c->pose_count = 0;
+  c->has_row_b = c->has_row_compliance = c->has_names = c->row_count = 0;
 }
 
 static inline int lcpbench_in_step_(lcpbench_capture* c) {
@@ -600,6 +634,50 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
   return lcpbench_new_contact_(c, pyramid, 1, id);
 }
 
+/* A bound of a row; an infinite one is none. */
+static inline void lcpbench_bound_(lcpbench_capture* c, lcpbench_text_* text, double value) {
+  lcpbench_next_(c, text);
+  if (value - value == 0 || value != value) lcpbench_number_(c, text, value);
+  else lcpbench_add_(c, text, "null");
+}
+
+static inline int lcpbench_capture_bounded_row(lcpbench_capture* c, int entries, const int* coordinates,
+                                               const double* direction, double lower, double upper, double b,
+                                               double compliance, const char* unit, const char* name) {
+  const lcpbench_row_ row = {0, 0};
+  void* data;
+  size_t room;
+  if (!lcpbench_in_step_(c)) return -1;
+  if (unit == NULL || (strcmp(unit, "m") != 0 && strcmp(unit, "rad") != 0)) {
+    lcpbench_fail_(c, "a bounded row's unit is \"m\" or \"rad\"");
+  }
+  if (!(lower <= 0 && upper >= 0 && lower < upper)) {
+    lcpbench_fail_(c, "a bounded row has lower <= 0 <= upper, and not 0 for both");
+  }
+  if (!(compliance >= 0)) lcpbench_fail_(c, "a compliance that is no number >= 0");
+  lcpbench_column_(c, LCPBENCH_R_STARTS_, &c->r_entries, entries, coordinates, direction, 1, NULL, 0);
+  lcpbench_bound_(c, &c->text[LCPBENCH_LOWER_], lower);
+  lcpbench_bound_(c, &c->text[LCPBENCH_UPPER_], upper);
+  lcpbench_next_(c, &c->text[LCPBENCH_ROW_B_]);
+  lcpbench_number_(c, &c->text[LCPBENCH_ROW_B_], b);
+  lcpbench_next_(c, &c->text[LCPBENCH_ROW_COMPLIANCE_]);
+  lcpbench_number_(c, &c->text[LCPBENCH_ROW_COMPLIANCE_], compliance);
+  lcpbench_next_(c, &c->text[LCPBENCH_UNITS_]);
+  lcpbench_words_(c, &c->text[LCPBENCH_UNITS_], unit);
+  lcpbench_next_(c, &c->text[LCPBENCH_NAMES_]);
+  lcpbench_words_(c, &c->text[LCPBENCH_NAMES_], name);
+  if (b != 0) c->has_row_b = 1;
+  if (compliance != 0) c->has_row_compliance = 1;
+  if (name != NULL) c->has_names = 1;
+  data = c->rows;
+  room = (size_t)c->row_room;
+  if (!lcpbench_grow_(c, &data, &room, (size_t)c->row_count + 1, sizeof row)) return -1;
+  c->rows = (lcpbench_row_*)data;
+  c->row_room = (int)room;
+  c->rows[c->row_count] = row;
+  return c->row_count++;
+}
+
 /* The compliance of all contacts: fields of the problem, or of contact `one` alone. */
 static inline void lcpbench_soft_(lcpbench_capture* c, lcpbench_text_* line, int one) {
   static const char* const kNames[3] = {"compliance_n", "compliance_t", "offset_t"};
@@ -675,6 +753,17 @@ static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, do
   c->contacts[contact].impulse[1] = ft1;
   c->contacts[contact].impulse[2] = c->contacts[contact].turned < 0 ? -ft2 : ft2;
   c->contacts[contact].has_impulse = 1;
+}
+
+static inline void lcpbench_capture_row_impulse(lcpbench_capture* c, int row, double f) {
+  if (!lcpbench_in_step_(c)) return;
+  if (row < 0 || row >= c->row_count) {
+    lcpbench_fail_(c, "no such bounded row in this step");
+    return;
+  }
+  if (!(f - f == 0)) lcpbench_not_finite_(c, "rows", row, "impulse", 7);
+  c->rows[row].impulse = f;
+  c->rows[row].has_impulse = 1;
 }
 
 static inline void lcpbench_capture_frame(lcpbench_capture* c, int contact, const double point[3],
@@ -764,7 +853,17 @@ static inline void lcpbench_gaps_(lcpbench_capture* c, lcpbench_text_* line) {
   lcpbench_add_(c, line, "]");
 }
 
-/* f_N of every contact, then f_D of every friction direction: the first parts of the problem's z. */
+/* Whether every contact and every bounded row has an impulse. */
+static inline int lcpbench_have_impulses_(const lcpbench_capture* c) {
+  int i;
+  for (i = 0; i < c->row_count; ++i) {
+    if (!c->rows[i].has_impulse) return 0;
+  }
+  if (c->contact_count == 0) return c->row_count > 0;
+  return lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_impulse));
+}
+
+/* f_N of every contact, f_D of every friction direction, f_R of every bounded row: z of the problem without lambda. */
 static inline void lcpbench_impulses_(lcpbench_capture* c, lcpbench_text_* line) {
   int i;
   lcpbench_add_(c, line, "\"impulses\":[");
@@ -775,6 +874,10 @@ static inline void lcpbench_impulses_(lcpbench_capture* c, lcpbench_text_* line)
   for (i = 0; i < c->contact_count; ++i) {
     const lcpbench_contact_ contact = c->contacts[i];
     lcpbench_friction_(c, line, contact.edges, contact.impulse[1], contact.impulse[2]);
+  }
+  for (i = 0; i < c->row_count; ++i) {
+    lcpbench_next_(c, line);
+    lcpbench_number_(c, line, c->rows[i].impulse);
   }
   lcpbench_add_(c, line, "]");
 }
@@ -821,6 +924,18 @@ static inline void lcpbench_blocks_(lcpbench_capture* c, lcpbench_text_* line) {
   }
   if (c->has_b) lcpbench_list_(c, line, ",\"b\":[", LCPBENCH_B_, "]");
   if (c->has_soft) lcpbench_soft_(c, line, -1);
+  if (c->row_count > 0) {
+    lcpbench_list_(c, line, ",\"rows\":{\"R\":{\"starts\":[0", LCPBENCH_R_STARTS_, "]");
+    lcpbench_list_(c, line, ",\"rows\":[", LCPBENCH_R_ROWS_, "]");
+    lcpbench_list_(c, line, ",\"values\":[", LCPBENCH_R_VALUES_, "]}");
+    lcpbench_list_(c, line, ",\"lower\":[", LCPBENCH_LOWER_, "]");
+    lcpbench_list_(c, line, ",\"upper\":[", LCPBENCH_UPPER_, "]");
+    if (c->has_row_b) lcpbench_list_(c, line, ",\"b\":[", LCPBENCH_ROW_B_, "]");
+    if (c->has_row_compliance) lcpbench_list_(c, line, ",\"compliance\":[", LCPBENCH_ROW_COMPLIANCE_, "]");
+    lcpbench_list_(c, line, ",\"unit\":[", LCPBENCH_UNITS_, "]");
+    if (c->has_names) lcpbench_list_(c, line, ",\"names\":[", LCPBENCH_NAMES_, "]");
+    lcpbench_add_(c, line, "}");
+  }
   lcpbench_list_(c, line, ",\"G_blocks\":[", LCPBENCH_BLOCKS_, "]");
 }
 
@@ -830,7 +945,8 @@ static inline void lcpbench_capture_end_step(lcpbench_capture* c) {
   int impulses;
   if (!lcpbench_in_step_(c)) return;
   c->in_step = 0;
-  impulses = lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_impulse));
+  impulses = lcpbench_have_impulses_(c);
+  if (c->row_count > 0 && c->blocks == 0) lcpbench_fail_(c, "bounded rows need blocks");
   lcpbench_add_(c, &line, "{\"step\":");
   lcpbench_integer_(c, &line, c->step);
   lcpbench_add_(c, &line, ",\"time\":");
@@ -880,6 +996,7 @@ static inline int lcpbench_capture_close(lcpbench_capture* c) {
   for (i = 0; i < LCPBENCH_TEXTS_; ++i) free(c->text[i].data);
   free(c->scene.data);
   free(c->contacts);
+  free(c->rows);
   free(c->poses);
   free(c);
   return failed ? -1 : 0;
