@@ -144,7 +144,12 @@ class RowSizes {
       std::vector<double> moved;
       for (const Index c : near) {
         const double own = contacts[static_cast<std::size_t>(c)];
-        if (own > 0 && dot_column(problem_.N, c, response) != 0) moved.push_back(own);
+        double coupling = 0, terms = 0;
+        for_each_entry(problem_.N, c, [&](Index j, double entry) {
+          coupling += entry * response(j);
+          terms += std::abs(entry * response(j));
+        });
+        if (own > 0 && std::abs(coupling) > 0x1p-45 * terms) moved.push_back(own);
       }
       const auto island = static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(i)]);
       std::vector<double>& others = !moved.empty() ? moved : !of_contacts[island].empty() ? of_contacts[island] : of_rows[island];

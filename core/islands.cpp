@@ -158,16 +158,31 @@ void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
   if (is_one) sets.keep_run(offset, matrix.rows());
 }
 
-/// Of each row a coordinate that it moves, or the row that bounds its friction; -1 where there is none.
+/// Calls visit(i, load) for each row of friction.
+template <class Visit>
+void for_each_friction_row(const BoundedRows& rows, const Visit& visit) {
+  for (std::size_t i = 0; i < rows.bounds.friction_of.size(); ++i) {
+    if (const int of = rows.bounds.friction_of[i]; of >= 0) visit(i, static_cast<std::size_t>(of));
+  }
+}
+
+/// Of each row a coordinate that it moves, or the row that bounds its friction, or another row of that friction; -1
+/// where there is none.
 void join_rows(const BoundedRows& rows, DisjointSets& sets, std::vector<Index>& coordinates) {
   const ColumnJoiner columns(rows.R, sets);
   for (Index i = 0; i < rows.size(); ++i) {
     Joined joined(sets);
     columns.join(i, joined);
-    const int of = rows.bounds.friction_of[static_cast<std::size_t>(i)];
-    if (of >= 0) columns.join(of, joined);
     coordinates[static_cast<std::size_t>(i)] = joined.representative();
   }
+  for_each_friction_row(rows, [&](std::size_t i, std::size_t load) {
+    Joined joined(sets);
+    for (const Index coordinate : {coordinates[load], coordinates[i]}) {
+      if (coordinate >= 0) joined(coordinate);
+    }
+    coordinates[load] = joined.representative();
+  });
+  for_each_friction_row(rows, [&](std::size_t i, std::size_t load) { coordinates[i] = coordinates[load]; });
 }
 
 }  // namespace
@@ -220,7 +235,10 @@ void IslandNumbers::find(const ContactProblem& problem) {
     }
   };
   number(of_contact, [&](Index contact) { return problem.normal_compliance(contact); });
-  number(of_row, [&](Index row) { return problem.rows.yields(row); });
+  number(of_row, [&](Index row) {
+    return problem.rows.bounds.friction_of[static_cast<std::size_t>(row)] >= 0 ? 0.0 : problem.rows.yields(row);
+  });
+  for_each_friction_row(problem.rows, [&](std::size_t i, std::size_t load) { of_row[i] = of_row[load]; });
   of_coordinate.resize(static_cast<std::size_t>(problem.ngc()));
   for (Index i = 0; i < problem.ngc(); ++i) {
     of_coordinate[static_cast<std::size_t>(i)] = number_[static_cast<std::size_t>(sets.find(i))];
@@ -290,9 +308,14 @@ RowIslands row_islands(const ContactProblem& problem) {
     }
     if (layout.lambda[contact] >= 0) set(layout.lambda_offset() + layout.lambda[contact]);
   }
-  for (Index i = 0; i < layout.rows; ++i) {
-    rows.of_row[static_cast<std::size_t>(layout.row_offset() + i)] =
-        number_of(islands.of_row[static_cast<std::size_t>(i)]);
+  const auto first = static_cast<std::size_t>(layout.row_offset());
+  std::fill(rows.of_row.begin() + layout.row_offset(), rows.of_row.end(), -1);
+  for (std::size_t i = 0; i < islands.of_row.size(); ++i) {
+    const int of = problem.rows.bounds.friction_of[i];
+    const std::size_t load = of >= 0 ? static_cast<std::size_t>(of) : i;
+    Index& of_load = rows.of_row[first + load];
+    if (of_load < 0) of_load = number_of(islands.of_row[load]);
+    rows.of_row[first + i] = of_load;
   }
   return rows;
 }

@@ -1,6 +1,7 @@
 #include "generators/changed.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -100,6 +101,58 @@ void perturb_contacts(ContactProblem& contact, Index first, Perturbation& pertur
   }
 }
 
+/// Whether a bounded row bounds the friction of others.
+bool is_load(const BoundedRows& rows, Index row) {
+  return std::ranges::any_of(rows.bounds.friction_of, [&](int of) { return of == row; });
+}
+
+/// R_i by factors: the impulses become as much smaller.
+void scale_rows(BoundedRows& rows, const Vector& factors) {
+  std::visit([&](auto& A) { A = std::remove_cvref_t<decltype(A)>(A * factors.asDiagonal()); }, rows.R);
+  if (rows.b.size() > 0) rows.b.array() *= factors.array();
+  if (rows.compliance.size() > 0) rows.compliance.array() *= factors.array().square();
+  rows.bounds.lower.array() /= factors.array();
+  rows.bounds.upper.array() /= factors.array();
+  for (Index i = 0; i < rows.size(); ++i) {
+    const int of = rows.bounds.friction_of[static_cast<std::size_t>(i)];
+    if (of >= 0) rows.bounds.mu(i) *= factors(of) / factors(i);
+  }
+}
+
+/// The same row by its other direction.
+void negate(BoundedRows& rows, Index row) {
+  if (auto* dense = std::get_if<Matrix>(&rows.R)) {
+    for (double& entry : dense->col(row)) entry = 0 - entry;  // no negative zeros
+  } else {
+    for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(rows.R), row); entry; ++entry) {
+      entry.valueRef() = 0 - entry.value();
+    }
+  }
+  if (rows.b.size() > 0) rows.b(row) = 0 - rows.b(row);
+  const double lower = rows.bounds.lower(row);
+  rows.bounds.lower(row) = 0 - rows.bounds.upper(row);
+  rows.bounds.upper(row) = 0 - lower;
+}
+
+/// A row that bears no friction twice, each with half of its impulse; nothing where there is none.
+void duplicate_row(ContactProblem& contact, DrawSequence& draws) {
+  std::vector<Index> alone;
+  for (Index row = 0; row < contact.rows.size(); ++row) {
+    if (!is_load(contact.rows, row)) alone.push_back(row);
+  }
+  if (alone.empty()) return;
+  const Index first = alone[static_cast<std::size_t>(draws.integer(0, std::ssize(alone) - 1))];
+  std::vector<Index> twice = all_indices(contact.rows.size());
+  twice.push_back(first);
+  contact = select_rows(contact, twice);
+  for (const Index row : {first, contact.rows.size() - 1}) {
+    for (Vector* bound : {&contact.rows.bounds.lower, &contact.rows.bounds.upper, &contact.rows.bounds.mu}) {
+      (*bound)(row) /= 2;
+    }
+    if (contact.rows.compliance.size() > 0) contact.rows.compliance(row) *= 2;
+  }
+}
+
 void scale_contacts(ContactProblem& contact, const Vector& factors) {
   std::vector<double> of_columns;
   for (std::size_t i = 0; i < contact.edges.size(); ++i) {
@@ -132,7 +185,10 @@ void scale_inertia(Inertia& inertia, double factor) {
 void change_contacts(ContactProblem& contact, Change change, DrawSequence draws) {
   Perturbation perturbation{draws, change == Change::kLastDigits};
   switch (change) {
-    case Change::kScaling: return scale_contacts(contact, powers_of_two(draws, contact.nc()));
+    case Change::kScaling:
+      scale_contacts(contact, powers_of_two(draws, contact.nc()));
+      if (contact.has_rows()) scale_rows(contact.rows, powers_of_two(draws, contact.rows.size()));
+      return;
     case Change::kUnits:
       scale_inertia(contact.inertia, kUnit);
       contact.v *= kUnit;
@@ -140,6 +196,10 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       contact.offset_t *= kUnit;
       contact.compliance_n /= kUnit;
       contact.compliance_t /= kUnit;
+      contact.rows.b *= kUnit;
+      contact.rows.compliance /= kUnit;
+      contact.rows.bounds.lower *= kUnit * kUnit;
+      contact.rows.bounds.upper *= kUnit * kUnit;
       return;
     case Change::kOrder: {
       const std::vector<Index> order = drawn_order(draws, contact.nc());
@@ -154,18 +214,29 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
         contact.D = part_of(contact.D, all_indices(contact.ngc()), directions);
       }
       contact = select_contacts(contact, order);
+      if (!contact.has_rows()) return;
+      contact = select_rows(contact, drawn_order(draws, contact.rows.size()));
+      for (Index row = 0; row < contact.rows.size(); ++row) {
+        if (draws.integer(0, 1) == 1 && !is_load(contact.rows, row)) negate(contact.rows, row);
+      }
       return;
     }
     case Change::kDuplicate:
     case Change::kNearDuplicate: {
-      std::vector<Index> twice = all_indices(contact.nc());
-      const Index first = draws.integer(0, contact.nc() - 1);
-      twice.push_back(first);
-      contact = select_contacts(contact, twice);
-      for (Vector* r : {&contact.compliance_n, &contact.compliance_t}) {  // side by side both yield as one did
-        if (r->size() > 0) (*r)(first) = r->tail<1>()(0) *= 2;
+      const bool is_near = change == Change::kNearDuplicate;
+      if (contact.nc() > 0) {
+        std::vector<Index> twice = all_indices(contact.nc());
+        const Index first = draws.integer(0, contact.nc() - 1);
+        twice.push_back(first);
+        contact = select_contacts(contact, twice);
+        for (Vector* r : {&contact.compliance_n, &contact.compliance_t}) {  // side by side both yield as one did
+          if (r->size() > 0) (*r)(first) = r->tail<1>()(0) *= 2;
+        }
+        if (is_near) perturb_contacts(contact, contact.nc() - 1, perturbation);
       }
-      if (change == Change::kNearDuplicate) perturb_contacts(contact, contact.nc() - 1, perturbation);
+      const Index rows = contact.rows.size();
+      duplicate_row(contact, draws);
+      if (is_near && contact.rows.size() > rows) perturb_columns(contact.rows.R, rows, 1, perturbation);
       return;
     }
     case Change::kLastDigits:
@@ -174,6 +245,13 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       perturb(contact.mu, perturbation);
       for (Vector* values : {&contact.b, &contact.compliance_n, &contact.compliance_t, &contact.offset_t}) {
         perturb(*values, perturbation);
+      }
+      if (contact.has_rows()) {
+        BoundedRows& rows = contact.rows;
+        perturb_columns(rows.R, 0, rows.size(), perturbation);
+        for (Vector* values : {&rows.b, &rows.compliance, &rows.bounds.lower, &rows.bounds.upper, &rows.bounds.mu}) {
+          perturb(*values, perturbation);
+        }
       }
       perturb_inertia(contact.inertia, perturbation);
       return;
@@ -284,7 +362,12 @@ double data_change(Change change) {
 
 bool applies(Change change, const Problem& problem) {
   if (change == Change::kDuplicate || change == Change::kNearDuplicate) {
-    return problem.contact() != nullptr && problem.contact()->nc() > 0;
+    const ContactProblem* const contact = problem.contact();
+    if (contact == nullptr) return false;
+    for (Index row = 0; row < contact->rows.size(); ++row) {
+      if (!is_load(contact->rows, row)) return true;
+    }
+    return contact->nc() > 0;
   }
   if (change == Change::kHard) return problem.contact() != nullptr && problem.contact()->is_soft();
   if (change != Change::kScaling || problem.contact() != nullptr) return true;

@@ -13,13 +13,15 @@
 namespace lcpbench {
 
 enum class Change {
-  kScaling,        ///< columns of N and D by powers of two, one a contact; bare LCP: rows of M and q, columns of M
+  kScaling,        ///< columns of N, D and R by powers of two, one a contact; bare LCP: rows of M and q, columns of M
   kUnits,          ///< scene: masses and lengths 2^10 times as large; else G, v and b; bare LCP: q
-  kOrder,          ///< other order of contacts and, without a scene, of directions; bare LCP: of rows and columns
-  kDuplicate,      ///< one contact twice, with twice its compliance
-  kNearDuplicate,  ///< the same, every entry of N and D of the second off by 2^-30 (scene: its point)
+  /// Other order of contacts and bounded rows and, without a scene, of directions, some rows with the other sign; bare
+  /// LCP: of rows and columns.
+  kOrder,
+  kDuplicate,      ///< one contact, and one bounded row, twice, with twice its compliance and half its bounds
+  kNearDuplicate,  ///< the same, every entry of N, D and R of the second off by 2^-30 (scene: its point)
   kLastDigits,     ///< every number but zeros moved to a neighbouring double (scene: all but directions)
-  kHard,           ///< no compliance and no tangential offsets: the only change of the physical answer itself
+  kHard,           ///< contacts without compliance and tangential offsets: the only change of the physical answer itself
 };
 
 /// All changes with their names: scaling, units, order, duplicate, near_duplicate, last_digits, hard.
@@ -29,7 +31,7 @@ const char* to_string(Change change);
 /// The relative change of the data, entry by entry: 2^-30 for near duplicates, 2^-52 for last digits, else 0.
 double data_change(Change change);
 
-/// Whether the change is made at all: duplicates need a contact, kHard a soft contact, and kScaling of a bare LCP
+/// Whether the change is made at all: duplicates need a contact or a bounded row that bears no friction, kHard a soft contact, and kScaling of a bare LCP
 /// entries of M that are zero or between 2^-1000 and 2^1000 in size.
 bool applies(Change change, const Problem& problem);
 

@@ -27,7 +27,7 @@ import zlib
 from fractions import Fraction
 
 from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, is_nonnegative, is_positive, is_zero,
-                            plus, read_problem, reduced, require, rounded, transposed_times, zeros)
+                            plus, read_problem, reduced, require, rounded, times, transposed_times, zeros)
 
 PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "every_basis")}
 MOST_UNKNOWNS = 16  # of problems whose every basis is tried: 2^16 of them take minutes
@@ -62,10 +62,12 @@ def check_complementary(z, w):
 
 def check_contact_solution(problem, z, potential):
     """@returns the velocity after the impact."""
-    impulse = problem.impulse(z.part(0, problem.nc + problem.friction))
-    require(problem.is_potential_of(potential, impulse), "the potential does not belong to the impulses")
+    require(problem.is_potential_of(potential, problem.impulse(z)), "the potential does not belong to the impulses")
     velocity = plus(problem.v, problem.moved_by(potential))
-    check_complementary(z, problem.complement(z, velocity))
+    w, first = problem.complement(z, velocity), problem.first_row
+    check_complementary(z.part(0, first), w[:first])
+    if problem.rows:
+        problem.rows.check(z.part(first, problem.size).fractions(), w[first:])
     return velocity
 
 
@@ -88,7 +90,8 @@ def check_solution(document, problem):
     require(equal(velocity, exact_vector(document, "exact_velocity", problem.ngc)), "another velocity belongs to z")
     check_rounded(document, "velocity", velocity)
     if unique is True:
-        require(problem.friction == 0 or is_zero(problem.mu), "nothing says that friction leaves one velocity only")
+        has_friction = not is_zero(problem.mu) or (problem.rows and any(problem.rows.mu))
+        require(not has_friction, "nothing says that friction leaves one velocity only")
         require(problem.has_inertia, "the inertia is not positive semidefinite")
     elif unique is False:
         check_other_velocity(document, problem, velocity)
@@ -104,22 +107,40 @@ def check_farkas(document, problem):
         require(all(entry <= 0 for entry in columns.numerators), "M'y has a positive entry")
         require(dot(problem.q, y) < 0, "q'y is not negative")
         return
-    u = exact_vector(document, "exact_farkas", problem.nc + problem.friction)
-    require(is_nonnegative(u), "u has a negative entry")
-    require(is_zero(u.part(problem.nc, len(u))), "u has a friction part")
-    impulse = problem.impulse(u)
-    require(problem.in_null_space(impulse), "N u is not in the null space of G")
-    require(not any(r * x for r, x in zip(problem.r_n, u.numerators)), "u pushes a contact that yields")
-    require(dot(problem.velocities(problem.v), u) < 0, "(N'v + b)'u is not negative")
+    normals, others = farkas_vector(document, problem)
+    require(is_nonnegative(normals), "u has a negative entry")
+    require(problem.rows or is_zero(others), "u has a friction part")
+    impulse = times(problem.N, normals)
+    if problem.rows:
+        problem.rows.check_weights(others)
+        impulse = plus(impulse, times(problem.rows.R, others))
+    require(problem.in_null_space(impulse), "N u, with R u of bounded rows, is not in the null space of G")
+    require(not any(r * x for r, x in zip(problem.r_n, normals.numerators)), "u pushes a contact that yields")
+    require(weighted_velocity(problem, normals, others) < 0, "(N'v + b)'u is not negative")
+
+
+def farkas_vector(document, problem):
+    """The weights of the contacts, and those of the bounded rows; without such rows, of friction."""
+    others = problem.rows.count if problem.rows else problem.friction
+    u = exact_vector(document, "exact_farkas", problem.nc + others)
+    return u.part(0, problem.nc), u.part(problem.nc, len(u))
+
+
+def weighted_velocity(problem, normals, others):
+    """u'w of every solution, (N'v + b)'u + (R'v + b)'u."""
+    sum_of_normals = dot(problem.velocities(problem.v).part(0, problem.nc), normals)
+    if not problem.rows:
+        return sum_of_normals
+    return sum_of_normals + sum(w * x for w, x in zip(problem.rows.velocities(problem.v), others.fractions()))
 
 
 def check_every_basis(problem):
     """An LCP with a solution has one that is a vertex: with B its support, the columns B are independent in rows that
     have w = 0, those of B among them. So for each B the rows of B are completed in every way to as many as B determines."""
-    require(problem.size <= MOST_UNKNOWNS, "there are too many bases to try them again")
-    M, q = problem.dense()
-    unknowns = range(problem.size)
-    for size in range(problem.size + 1):
+    M, q = problem.nonnegative()
+    require(len(q) <= MOST_UNKNOWNS, "there are too many bases to try them again")
+    unknowns = range(len(q))
+    for size in range(len(q) + 1):
         for support in itertools.combinations(unknowns, size):
             equations = [[M[i][j] for j in support] + [-q[i]] for i in unknowns]
             of_support = reduced([equations[i] for i in support], size)
@@ -138,7 +159,8 @@ def check_every_basis(problem):
 
 
 def check_lp(document, problem):
-    require(isinstance(problem, Contact), "only contact problems are proven solvable in this way")
+    is_known = isinstance(problem, Contact) and not problem.rows
+    require(is_known, "only contact problems without bounded rows are proven solvable in this way")
     # Every shift of the velocity is in the range of a given G* only if that is definite.
     definite = problem.form == "G_factors" or is_positive(problem.G, strictly=True)
     require(definite, "the inertia, or the given inverse, is not positive definite")
@@ -207,8 +229,11 @@ def least_violation(document, problem):
     """By which any impulses violate some contact [m/s], rounded down; None where the proof does not say."""
     if document["proof"] != "farkas" or isinstance(problem, BareLcp):
         return None
-    u = exact_vector(document, "exact_farkas", problem.nc + problem.friction).part(0, problem.nc)
-    least = -dot(problem.velocities(problem.v).part(0, problem.nc), u) / Fraction(sum(u.numerators), u.denominator)
+    normals, others = farkas_vector(document, problem)
+    size = Fraction(sum(normals.numerators), normals.denominator)
+    if problem.rows:
+        size += Fraction(sum(map(abs, others.numerators)), others.denominator)
+    least = -weighted_velocity(problem, normals, others) / size
     nearest = rounded(least.numerator, least.denominator)
     if nearest is None:
         return sys.float_info.max

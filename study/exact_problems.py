@@ -154,8 +154,8 @@ class BareLcp:
     def complement(self, z):
         return plus(times(self.M, z), self.q)
 
-    def dense(self):
-        """M by rows, and q, as fractions."""
+    def nonnegative(self):
+        """M by rows, and q, as fractions, of an LCP in unknowns >= 0."""
         return [[Fraction(entry, self.M.denominator) for entry in row] for row in self.M.numerators], self.q.fractions()
 
 
@@ -186,8 +186,102 @@ def matrix_of(document, field, rows, columns):
     return from_doubles(values) if values else Rationals([], 1)
 
 
+class BoundedRows:
+    """R, bounds, b and compliance; a bound that is None stands for none."""
+
+    FIELDS = "R lower upper b compliance friction_of mu unit names"
+
+    def __init__(self, document, ngc):
+        unknown = set(document) - set(self.FIELDS.split())
+        require(not unknown, f"rows have no field {', '.join(sorted(unknown))}")
+        self.count = len(document["R"][0]) if document["R"] else 0
+        self.R = matrix_of(document, "R", ngc, self.count)
+        self.load = [-1 if j is None else int(j) for j in document.get("friction_of", [None] * self.count)]
+        self.mu = self.numbers(document, "mu")
+        self.b = self.numbers(document, "b")
+        self.compliance = self.numbers(document, "compliance")
+        self.lower, self.upper = self.bounds(document, "lower", -1), self.bounds(document, "upper", 1)
+        require(len(self.load) == self.count, "friction_of is not one number for each row")
+        require(all(x >= 0 for x in self.mu + self.compliance), "mu or compliance of a row is negative")
+        for i, j in enumerate(self.load):
+            self.check_row(i, j)
+
+    def numbers(self, document, field):
+        given = document.get(field, [0.0] * self.count)
+        values = from_doubles([0.0 if x is None and field == "mu" else x for x in given]).fractions()
+        require(len(values) == self.count, f"{field} is not one number for each row")
+        return values
+
+    def bounds(self, document, field, sign):
+        values = document.get(field, [None] * self.count)
+        require(len(values) == self.count, f"{field} is not one bound for each row")
+        known = [None if x is None or sign * x >= 1e20 else x for x in values]
+        require(all(x is None or isinstance(x, float) for x in known), f"{field} has an entry that is no number")
+        return [None if x is None else Fraction(x) for x in known]
+
+    def check_row(self, i, j):
+        lower, upper = self.lower[i], self.upper[i]
+        require((lower or 0) <= 0 <= (upper or 0), f"row {i}: its bounds are not around zero")
+        require(lower is None or upper is None or lower < upper, f"row {i}: both of its bounds are zero")
+        if j >= 0:
+            require(lower is None and upper is None, f"row {i} of friction has other bounds")
+            require(j < self.count and self.load[j] < 0 and self.lower[j] == 0, f"row {i}: row {j} bears no friction")
+
+    def velocities(self, u):
+        """R'u + b."""
+        return [w + b for w, b in zip(transposed_times(self.R, u, self.count).fractions(), self.b)]
+
+    def check(self, f, w):
+        """The conditions of all rows."""
+        for i, j in enumerate(self.load):
+            most = self.mu[i] * f[j] if j >= 0 else None
+            lower, upper = (self.lower[i], self.upper[i]) if j < 0 else (-most, most)
+            require(lower is None or f[i] >= lower, f"the impulse of row {i} is below its lower bound")
+            require(upper is None or f[i] <= upper, f"the impulse of row {i} is above its upper bound")
+            require(w[i] <= 0 or f[i] == lower, f"row {i} has w > 0 above its lower bound")
+            require(w[i] >= 0 or f[i] == upper, f"row {i} has w < 0 below its upper bound")
+
+    def check_weights(self, u):
+        """Of a proof that there is no solution: R'u is then no less than zero in every solution."""
+        for i, weight in enumerate(u.numerators):
+            if weight:
+                bound = self.upper[i] if weight > 0 else self.lower[i]
+                require(bound is None and self.load[i] < 0, f"u counts on the velocity of row {i}, which has a bound")
+                require(self.compliance[i] == 0, f"u pushes row {i}, which yields")
+
+    def nonnegative(self, M, q):
+        """The LCP in unknowns >= 0 from that of z = [.. f_R]: f is a bound plus or minus an unknown, or the
+        difference of two, and a slack stands for a second bound, or for the limit of friction."""
+        first = len(q) - self.count
+        parts, origin, slacks, of_row = [(i, 1) for i in range(first)], [Fraction(0)] * len(q), [], []
+        for i, j in enumerate(self.load):
+            lower, upper, k = self.lower[i], self.upper[i], len(parts)
+            of_row.append(k)
+            parts.append((first + i, -1 if lower is None and upper is not None else 1))
+            if lower is None and upper is None:
+                parts.append((first + i, -1))
+                if j >= 0:
+                    slacks.append((i, [k, k + 1], Fraction(0)))
+            else:
+                origin[first + i] = lower if lower is not None else upper
+                if lower is not None and upper is not None:
+                    slacks.append((i, [k], upper - lower))
+        size = len(parts) + len(slacks)
+        rows = [[s * t * M[i][j] for j, t in parts] + [Fraction(0)] * len(slacks) for i, s in parts]
+        constants = [s * (q[i] + sum(a * x for a, x in zip(M[i], origin) if x)) for i, s in parts]
+        for number, (i, own, length) in enumerate(slacks, len(parts)):
+            row = [Fraction(0)] * size
+            for k in own:
+                row[k], rows[k][number] = Fraction(-1), Fraction(1)
+            if self.load[i] >= 0:
+                row[of_row[self.load[i]]] = self.mu[i]
+            rows.append(row)
+            constants.append(length)
+        return rows, constants
+
+
 class Contact:
-    """v, N, D, mu, edges and the inertia in one of its three forms."""
+    """v, N, D, mu, edges, bounded rows, and the inertia in one of its three forms."""
 
     def __init__(self, document):
         self.v = from_doubles(document["v"])
@@ -207,7 +301,9 @@ class Contact:
         require(len(self.mu) == self.nc and is_nonnegative(self.mu), "mu is not one number >= 0 for each contact")
         self.first = [sum(self.edges[:i]) for i in range(self.nc)]
         self.cones = [i for i in range(self.nc) if self.edges[i] > 0]
-        self.size = self.nc + self.friction + len(self.cones)
+        self.first_row = self.nc + self.friction + len(self.cones)
+        self.rows = BoundedRows(document["rows"], self.ngc) if "rows" in document else None
+        self.size = self.first_row + (self.rows.count if self.rows else 0)
         self.check_directions()
         self.read_inertia(document)
 
@@ -271,9 +367,10 @@ class Contact:
         """G is positive definite, or made of positive factors, or the given G* is positive semidefinite."""
         return self.form == "G_factors" or is_positive(self.G, strictly=self.form == "G")
 
-    def impulse(self, f):
-        """C f = N f_N + D f_D."""
-        return plus(times(self.N, f.part(0, self.nc)), times(self.D, f.part(self.nc, self.nc + self.friction)))
+    def impulse(self, z):
+        """C f = N f_N + D f_D + R f_R."""
+        f = plus(times(self.N, z.part(0, self.nc)), times(self.D, z.part(self.nc, self.nc + self.friction)))
+        return plus(f, times(self.rows.R, z.part(self.first_row, self.size))) if self.rows else f
 
     def on_contacts(self, u):
         """C'u."""
@@ -323,18 +420,25 @@ class Contact:
                 w[t] += bound
             pushed = sum(entries[self.nc + self.first[i] + t] for t in range(self.edges[i]))
             slack.append(Fraction(self.mu.numerators[i], self.mu.denominator) * entries[i] - pushed)
-        return w + slack
+        return w + slack + self.row_complement(entries[self.first_row:], velocity)
 
+    def row_complement(self, f, velocity):
+        """w of the bounded rows."""
+        if self.rows is None:
+            return []
+        return [w + r * x for w, r, x in zip(self.rows.velocities(velocity), self.rows.compliance, f)]
 
-    def dense(self):
-        """M by rows, and q, as fractions: the velocities that each impulse alone, and each lambda, gives."""
+    def nonnegative(self):
+        """M by rows, and q, as fractions, of an LCP in unknowns >= 0: the velocities that each impulse alone, and each
+        lambda, gives."""
         q = self.complement(zeros(self.size), self.v)
         columns = []
         for j in range(self.size):
             z = Rationals([int(i == j) for i in range(self.size)], 1)
-            moved = self.moved_by(self.potential_of(self.impulse(z.part(0, self.nc + self.friction))))
+            moved = self.moved_by(self.potential_of(self.impulse(z)))
             columns.append([a - b for a, b in zip(self.complement(z, plus(self.v, moved)), q)])
-        return [list(row) for row in zip(*columns)], q
+        M = [list(row) for row in zip(*columns)]
+        return self.rows.nonnegative(M, q) if self.rows else (M, q)
 
     def potential_of(self, impulse):
         """p of K p = B f, by elimination."""
@@ -351,7 +455,7 @@ class Contact:
 def read_problem(document):
     require(document["format"] == "lcpbench-problem" and document["version"] == 1, "no problem file of version 1")
     kinds = {"lcp": (BareLcp, "M q"),
-             "contact": (Contact, "v N D edges mu b G G_factors Ginv compliance_n compliance_t offset_t")}
+             "contact": (Contact, "v N D edges mu b G G_factors Ginv compliance_n compliance_t offset_t rows")}
     require(document["kind"] in kinds, "neither a bare LCP nor a contact problem")
     make, fields = kinds[document["kind"]]
     unknown = set(document) - {"format", "version", "name", "kind", *fields.split()}

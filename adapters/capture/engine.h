@@ -75,6 +75,8 @@ struct RowState {
   double upper = 0;
   double offset = 0;  ///< b
   double compliance = 0;
+  int friction_of = -1;  ///< the row whose impulse, times mu, bounds this one
+  double mu = 0;
   bool is_angle = false;
   std::string name;
   double impulse = 0;  ///< the engine's [N s, N m s]

@@ -67,7 +67,7 @@ BoundedRows bounded_rows(const std::vector<RowState>& states, Index coordinates)
   BoundedRows rows;
   Columns R;
   const auto count = static_cast<Index>(states.size());
-  rows.bounds = {Vector(count), Vector(count), std::vector<int>(states.size(), -1), Vector::Zero(count)};
+  rows.bounds = {Vector(count), Vector(count), std::vector<int>(states.size()), Vector(count)};
   Vector b(count), compliance(count);
   for (Index i = 0; i < count; ++i) {
     const RowState& state = states[static_cast<std::size_t>(i)];
@@ -76,6 +76,8 @@ BoundedRows bounded_rows(const std::vector<RowState>& states, Index coordinates)
     rows.bounds.upper(i) = state.upper;
     b(i) = state.offset;
     compliance(i) = state.compliance;
+    rows.bounds.friction_of[static_cast<std::size_t>(i)] = state.friction_of;
+    rows.bounds.mu(i) = state.mu;
     rows.is_angle.push_back(state.is_angle ? 1 : 0);
     rows.names.push_back(state.name);
   }

@@ -143,9 +143,10 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
     }
   }
   for (const RowState& row : snapshot.rows) {
-    const int index = lcpbench_capture_bounded_row(file, static_cast<int>(row.coordinates.size()), row.coordinates.data(),
-                                                   row.direction.data(), row.lower, row.upper, row.offset, row.compliance,
-                                                   row.is_angle ? "rad" : "m", row.name.c_str());
+    const int index = lcpbench_capture_row(file, static_cast<int>(row.coordinates.size()), row.coordinates.data(),
+                                           row.direction.data(), row.lower, row.upper, row.offset, row.compliance,
+                                           row.is_angle ? "rad" : "m", row.name.c_str());
+    if (row.friction_of >= 0) lcpbench_capture_row_friction(file, row.friction_of, row.mu);
     if (snapshot.has_impulses) lcpbench_capture_row_impulse(file, index, row.impulse);
   }
   if (snapshot.velocity_after.size() > 0) {

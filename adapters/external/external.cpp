@@ -35,6 +35,7 @@ struct ExternalSettings {
   ProblemKind form = ProblemKind::kLcp;
   bool cone = false;
   bool compliance = false;
+  bool rows = false;
   bool warm_start = false;
   bool writes_files = false;
   std::string name;
@@ -49,6 +50,9 @@ struct ExternalSettings {
     field("compliance", compliance,
           "whether it knows compliance_n, compliance_t and offset_t: it is then given soft contacts as they are, and "
           "else, in the form contact, their rigid equivalent");
+    field("rows", rows,
+          "whether it knows bounded rows: in the form contact it is then given them as they are, and else contacts that "
+          "have the same solutions");
     field("warm_start", warm_start,
           "whether it can begin from a guess at z, which it is then given with `run --start last`");
     field("writes_files", writes_files,
@@ -112,6 +116,7 @@ class External final : public Solver, public SelfTimed {
     }
     capabilities_.warm_start = settings_.warm_start;
     capabilities_.compliance = settings_.compliance || settings_.form == ProblemKind::kLcp;  // M has it
+    capabilities_.rows = settings_.rows && settings_.form == ProblemKind::kContact;
     signal(SIGPIPE, SIG_IGN);
     end_all_with_parent();
     rlimit size{};

@@ -162,7 +162,6 @@ class ModelEngine final : public AskedEngine {
     if (snapshot.has_impulses && rows.size() > 0) impulses = told.vector("row_impulses", rows.size());
     for (Index i = 0; i < rows.size(); ++i) {
       const auto at = static_cast<std::size_t>(i);
-      if (rows.bounds.friction_of[at] >= 0) told.fail("problem", ".rows.friction_of: is not taken here");
       RowState row;
       row.direction = column(rows.R, i);
       row.coordinates = all_coordinates(row.direction.size());
@@ -170,6 +169,8 @@ class ModelEngine final : public AskedEngine {
       row.upper = rows.bounds.upper(i);
       row.offset = rows.offset(i);
       row.compliance = rows.yields(i);
+      row.friction_of = rows.bounds.friction_of[at];
+      row.mu = rows.bounds.mu(i);
       row.is_angle = rows.is_angle[at] != 0;
       if (!rows.names.empty()) row.name = rows.names[at];
       row.impulse = impulses(i);

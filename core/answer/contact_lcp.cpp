@@ -299,6 +299,24 @@ Quad ContactLcp::lever(std::size_t i) {
   return levers_[static_cast<std::size_t>(number_of(i))];
 }
 
+/// A sum, and what its terms add up to: zero, where nothing but their rounding is left.
+struct ContactLcp::Sum {
+  Quad value = 0, terms = 0;
+
+  void add(Quad term) {
+    value += term;
+    terms += abs(term);
+  }
+  bool is_zero() const { return abs(value) <= Quad{0x1p-90} * terms; }
+};
+
+/// Of column i of J in this row.
+double ContactLcp::entry_of(std::size_t i, std::size_t row) const {
+  const Entries of = entries(i);
+  const std::size_t* const found = std::lower_bound(of.rows, of.rows + of.count, row);
+  return of.values[found - of.rows];
+}
+
 void ContactLcp::find_levers() {
   const BoundedRows& bounded = problem_.rows;
   const auto count = static_cast<std::size_t>(bounded.size());
@@ -320,20 +338,31 @@ void ContactLcp::find_levers() {
     const std::size_t half = numbers.size() / 2;
     return numbers.size() % 2 == 1 ? numbers[half] : (numbers[half - 1] + numbers[half]) / 2;
   };
-  QuadVector response, moved;
+  std::vector<std::vector<std::size_t>> contacts_of(v_.size());  // by coordinate
+  for (std::size_t c = 0; c < contacts_; ++c) {
+    const Entries of = entries(c);
+    for (std::size_t e = 0; e < of.count; ++e) contacts_of[of.rows[e]].push_back(c);
+  }
+  QuadVector moved;
+  std::vector<std::size_t> near;
+  std::vector<Sum> coupling(contacts_);  // M_ci
   for (std::size_t row = 0; row < count; ++row) {
     const std::size_t i = first_bounded_ + row;
     const Quad own = is_angle(row) ? rigid_diagonal(i) : Quad{0};
     if (!(own > 0)) continue;
     const auto island = static_cast<std::size_t>(islands.of_row[row]);
     const Entries of = entries(i);
-    response.assign(v_.size(), 0);
-    for (std::size_t e = 0; e < of.count; ++e) response[of.rows[e]] = of.values[e];
-    inertia_.solve(response);
+    near.clear();
+    inertia_.for_each_response({of.rows, of.count}, of.values, [&](std::size_t coordinate, Quad velocity) {
+      if (velocity == 0) return;
+      for (const std::size_t c : contacts_of[coordinate]) {
+        if (coupling[c].terms == 0) near.push_back(c);
+        coupling[c].add(entry_of(c, coordinate) * velocity);
+      }
+    });
     moved.clear();
-    for (std::size_t c = 0; c < contacts_; ++c) {
-      if (islands.of_contact[c] != islands.of_row[row] || project(c, response) == 0) continue;
-      if (const Quad of_contact = rigid_diagonal(c); of_contact > 0) moved.push_back(of_contact);
+    for (const std::size_t c : near) {
+      if (!std::exchange(coupling[c], Sum{}).is_zero() && rigid_diagonal(c) > 0) moved.push_back(rigid_diagonal(c));
     }
     const QuadVector& others = !moved.empty() ? moved : !of_contacts[island].empty() ? of_contacts[island] : of_rows[island];
     if (!others.empty()) levers_[row] = sqrt(median(others) / own);

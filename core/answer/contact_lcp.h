@@ -162,6 +162,9 @@ class ContactLcp {
   Quad diagonal_error(std::size_t i) const;
   /// M_ii without compliance.
   Quad rigid_diagonal(std::size_t i);
+  struct Sum;
+  /// The entry of row i of J for a coordinate that it moves.
+  double entry_of(std::size_t i, std::size_t coordinate) const;
   void find_levers();
   /// The index of the lambda of a friction row.
   std::size_t lambda_of(std::size_t i) const {

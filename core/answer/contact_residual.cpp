@@ -82,7 +82,11 @@ void ContactResidual::find_largest(FrictionModel model, const Point& point) {
   const auto island = [this](Index row) {
     return static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)]);
   };
+  const bool has_rows = problem.has_rows();
+  of_contacts_ = of_bounded_ = 0;
+  bounded_row_ = -1;
   const auto note = [&](Index row, Quad residual) {
+    if (has_rows) note_kind(row, residual);
     Quad& largest = largest_[island(row)];
     Index& row_of = row_of_[island(row)];
     if (!(residual > largest || (residual == largest && row < row_of))) return;
@@ -102,6 +106,16 @@ void ContactResidual::find_largest(FrictionModel model, const Point& point) {
   }
   for (std::size_t row = lcp->first_bounded(); row < lcp->size(); ++row) {
     note(static_cast<Index>(row), bounded_row(row, point));
+  }
+}
+
+/// of_contacts_ and of_bounded_.
+void ContactResidual::note_kind(Index row, Quad residual) {
+  if (!lcp->is_bounded(static_cast<std::size_t>(row))) {
+    of_contacts_ = larger(of_contacts_, residual);
+  } else if (residual > of_bounded_) {
+    of_bounded_ = residual;
+    bounded_row_ = row;
   }
 }
 
@@ -128,6 +142,8 @@ ContactResidual::Worst ContactResidual::worst(FrictionModel model, const Point& 
     worst.scale = scale;
   }
   worst.is_resolved = worst.is_resolved || fails;
+  worst.of_contacts = problem.has_rows() ? of_contacts_ : worst.residual;
+  worst.bounded_row = bounded_row_;
   return worst;
 }
 

@@ -30,6 +30,8 @@ class ContactResidual {
     Index row = -1;     ///< -1: no row is violated
     Quad of_row = 0;    ///< its residual
     Quad scale = 0;     ///< that of its island
+    Quad of_contacts = 0;    ///< the largest residual of the contacts' rows [m/s]
+    Index bounded_row = -1;  ///< the bounded row of the largest residual, angles in m/s; -1: none is violated
     /// No residual may be off by more than kResolvedError of its scale, nor by what changes the verdict; or one is too
     /// large, however far it is off.
     bool is_resolved = true;
@@ -76,6 +78,7 @@ class ContactResidual {
   Quad pyramid_row(std::size_t row, const Point& point);
   Quad bounded_row(std::size_t row, const Point& point);
   void find_largest(FrictionModel model, const Point& point);
+  void note_kind(Index row, Quad residual);
   void measure_errors(const Point& point);
 
   RowIslands islands_;
@@ -84,6 +87,8 @@ class ContactResidual {
   QuadVector largest_, errors_, without_;  // by island
   Point rest_;                             // no impulses, where without_ is of the convex model
   std::vector<Index> row_of_;          // the row of largest_
+  Quad of_contacts_ = 0, of_bounded_ = 0;  // the largest residuals of both kinds, where there are bounded rows
+  Index bounded_row_ = -1;
 };
 
 template <class Visit>

@@ -247,10 +247,7 @@ bool RefinedInertia::solve_roughly(std::span<const std::size_t> rows, const doub
     std::iota(pattern_.begin(), pattern_.end(), std::size_t{0});
     return true;
   }
-  touched_.clear();
-  for (const std::size_t i : pattern_) touched_.push_back(block_of_[i]);
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  find_touched(rows);
   pattern_.clear();
   for (const std::size_t b : touched_) {
     const Block& block = blocks_[b];
@@ -287,6 +284,43 @@ void RefinedInertia::solve_precisely(std::span<const std::size_t> rows, const do
     precise_->solve(wide_, pattern_);
   } else {
     for (const std::size_t i : pattern_) wide_[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+/// The blocks of these coordinates.
+void RefinedInertia::find_touched(std::span<const std::size_t> rows) const {
+  touched_.clear();
+  for (const std::size_t i : rows) touched_.push_back(block_of_[i]);
+  std::sort(touched_.begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+}
+
+/// wide_ := G* x for the x with these entries in `rows`; the rows of pattern_ may not be zero in it.
+void RefinedInertia::respond(std::span<const std::size_t> rows, const double* entries) const {
+  if (precise_) return solve_precisely(rows, entries);
+  for (const std::size_t i : pattern_) wide_[i] = 0;
+  pattern_.clear();
+  wide_.resize(static_cast<std::size_t>(dimension(inertia_)), 0);
+  if (!has_inertia_) {
+    const Matrix& Ginv = std::get<InverseInertia>(inertia_).Ginv;
+    pattern_.resize(wide_.size());
+    std::iota(pattern_.begin(), pattern_.end(), std::size_t{0});
+    for (std::size_t e = 0; e < rows.size(); ++e) {
+      for (std::size_t i = 0; i < wide_.size(); ++i) {
+        wide_[i] += Quad{Ginv(static_cast<Index>(i), static_cast<Index>(rows[e]))} * entries[e];
+      }
+    }
+    return;
+  }
+  for (std::size_t e = 0; e < rows.size(); ++e) wide_[rows[e]] = entries[e];
+  find_touched(rows);
+  for (const std::size_t b : touched_) {
+    const Block& block = blocks_[b];
+    const std::span<const std::size_t> coordinates(coordinates_.data() + block.first, block.size);
+    pattern_.insert(pattern_.end(), coordinates.begin(), coordinates.end());
+    if (refine(block, wide_)) continue;
+    make_precise();
+    return solve_precisely(rows, entries);
   }
 }
 

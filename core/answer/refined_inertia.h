@@ -36,6 +36,13 @@ class RefinedInertia {
   void solve(QuadVector& x) const;
   /// J'G* J for the column J with these entries in `rows`, to about 2^-30 of it.
   Quad energy(std::span<const std::size_t> rows, const double* entries) const;
+  /// G* J for the column J with these entries in `rows`, in 113 bits: visit(i, entry) for the rows that may not be zero.
+  template <class Visit>
+  void for_each_response(std::span<const std::size_t> rows, const double* entries, Visit&& visit) const {
+    respond(rows, entries);
+    for (const std::size_t i : pattern_) visit(i, wide_[i]);
+    for (const std::size_t i : pattern_) wide_[i] = 0;
+  }
   /// Column `coordinate` of G*, to about 2^-30: visit(i, G*_i) for the rows that may not be zero.
   template <class Visit>
   void for_each_inverse(std::size_t coordinate, Visit&& visit) const {
@@ -85,6 +92,8 @@ class RefinedInertia {
   void load(std::span<const std::size_t> rows, const double* entries) const;
   bool solve_roughly(std::span<const std::size_t> rows, const double* entries) const;
   void solve_precisely(std::span<const std::size_t> rows, const double* entries) const;
+  void respond(std::span<const std::size_t> rows, const double* entries) const;
+  void find_touched(std::span<const std::size_t> rows) const;
 
   const Inertia& inertia_;
   bool has_inertia_ = true;

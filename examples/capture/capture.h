@@ -89,14 +89,15 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
                                         const double* tangent1, const double* tangent2, double mu, int edges, double b,
                                         const char* id);
 
-/* A bounded row of blocks, behind them: what a joint does beside contacts; returns its index. Along its direction, which
- * has `entries` numbers at these coordinates, the velocity w = direction'v+ + b + compliance f is zero while the impulse f
- * is between lower <= 0 <= upper, >= 0 at the lower bound, <= 0 at the upper. Equality constraints have no bounds
- * (-INFINITY, INFINITY), limits 0 and INFINITY with b = gap / h, dry friction of a torque tau -h tau and h tau. unit: "m",
- * or "rad" where f turns something. name: for messages, or NULL. */
-static inline int lcpbench_capture_bounded_row(lcpbench_capture* c, int entries, const int* coordinates,
-                                               const double* direction, double lower, double upper, double b,
-                                               double compliance, const char* unit, const char* name);
+/* A bounded row of blocks, for a joint, a limit, a motor or dry friction in a joint; returns its index among these rows.
+ * Its velocity is w = direction'v+ + b + compliance f. Its impulse f is between lower <= 0 and upper >= 0, -INFINITY and
+ * INFINITY where there is no bound; w = 0 between them. unit: "m" where direction'v+ is in m/s and f in N s, "rad" where
+ * they are in rad/s and N m s. name: for messages, or NULL. See docs/reference/problem-file.md, "Bounded rows". */
+static inline int lcpbench_capture_row(lcpbench_capture* c, int entries, const int* coordinates,
+                                       const double* direction, double lower, double upper, double b, double compliance,
+                                       const char* unit, const char* name);
+/* Optional: the bounded row given last has the bounds -mu f and mu f, f of the bounded row `of`, in place of its own. */
+static inline void lcpbench_capture_row_friction(lcpbench_capture* c, int of, double mu);
 
 /* Optional, for pictures: where a contact of blocks is, with the unit normal and the first unit tangent, in the world. */
 static inline void lcpbench_capture_frame(lcpbench_capture* c, int contact, const double point[3],
@@ -108,7 +109,8 @@ static inline void lcpbench_capture_soft(lcpbench_capture* c, double compliance_
                                          double offset_t2);
 
 /* Optional. Gaps (m, negative: penetration) and impulses (N s, on body_a along normal, tangent, normal x tangent; of
- * rows: along the three rows) are written when every contact of the step, and every bounded row, has one. */
+ * rows: along the three rows) are written when every contact of the step has one, impulses when every bounded row has
+ * one, too. */
 static inline void lcpbench_capture_gap(lcpbench_capture* c, int contact, double gap);
 static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, double fn, double ft1, double ft2);
 static inline void lcpbench_capture_row_impulse(lcpbench_capture* c, int row, double f);
@@ -148,8 +150,10 @@ typedef struct {
 } lcpbench_contact_;
 
 typedef struct {
-  int has_impulse;
-  double impulse;
+  double numbers[4]; /* b, compliance, lower, upper */
+  double mu, impulse;
+  int of; /* the row whose impulse bounds this one, or -1 */
+  int is_angle, has_impulse;
 } lcpbench_row_;
 
 typedef struct {
@@ -173,16 +177,11 @@ enum {
   LCPBENCH_EDGES_,
   LCPBENCH_MU_,
   LCPBENCH_B_,
-  LCPBENCH_IDS_,
   LCPBENCH_R_STARTS_,
   LCPBENCH_R_ROWS_,
   LCPBENCH_R_VALUES_,
-  LCPBENCH_LOWER_,
-  LCPBENCH_UPPER_,
-  LCPBENCH_ROW_B_,
-  LCPBENCH_ROW_COMPLIANCE_,
-  LCPBENCH_UNITS_,
-  LCPBENCH_NAMES_,
+  LCPBENCH_ROW_NAMES_,
+  LCPBENCH_IDS_,
   LCPBENCH_VELOCITY_,
   LCPBENCH_NOTES_,
   LCPBENCH_TEXTS_
@@ -198,11 +197,10 @@ struct lcpbench_capture {
   double time;
   double solve_s; /* negative: not told */
   int bodies, blocks, coordinates, n_entries, d_entries, r_entries, has_b, has_soft, has_ids, has_friction, has_frames;
-  int has_row_b, has_row_compliance, has_names;
   lcpbench_contact_* contacts;
   int contact_count, contact_room;
   lcpbench_row_* rows;
-  int row_count, row_room;
+  int row_count, row_room, has_row_names;
   lcpbench_pose_* poses;
   int pose_count, pose_room;
 };
@@ -266,24 +264,21 @@ static inline void lcpbench_not_finite_(lcpbench_capture* c, const char* list, i
 static inline void lcpbench_bad_number_(lcpbench_capture* c, const lcpbench_text_* text) {
   static const struct {
     int text;
+    const char* list;
     const char* field;
-  } kTexts[10] = {{LCPBENCH_V_, "v"},
-                  {LCPBENCH_N_VALUES_, "normal"},
-                  {LCPBENCH_D_VALUES_, "tangent"},
-                  {LCPBENCH_MU_, "mu"},
-                  {LCPBENCH_B_, "b"},
-                  {LCPBENCH_R_VALUES_, "direction"},
-                  {LCPBENCH_LOWER_, "lower"},
-                  {LCPBENCH_UPPER_, "upper"},
-                  {LCPBENCH_ROW_B_, "b"},
-                  {LCPBENCH_ROW_COMPLIANCE_, "compliance"}};
+  } kTexts[6] = {{LCPBENCH_V_, "blocks", "v"},
+                 {LCPBENCH_R_VALUES_, "rows", "direction"},
+                 {LCPBENCH_N_VALUES_, "contacts", "normal"},
+                 {LCPBENCH_D_VALUES_, "contacts", "tangent"},
+                 {LCPBENCH_MU_, "contacts", "mu"},
+                 {LCPBENCH_B_, "contacts", "b"}};
   const char* const end = text->size > 0 ? strrchr(text->data, '"') : NULL;
   const char* begin = end;
   int i;
-  for (i = 0; i < 10; ++i) {
+  for (i = 0; i < 6; ++i) {
+    const int index = i == 0 ? c->blocks : i == 1 ? c->row_count : c->contact_count;
     if (text != &c->text[kTexts[i].text]) continue;
-    lcpbench_not_finite_(c, i == 0 ? "blocks" : i < 5 ? "contacts" : "rows",
-                         i == 0 ? c->blocks : i < 5 ? c->contact_count : c->row_count, kTexts[i].field, 16);
+    lcpbench_not_finite_(c, kTexts[i].list, index, kTexts[i].field, 16);
     return;
   }
   if (text == &c->text[LCPBENCH_BLOCKS_]) {
@@ -460,8 +455,8 @@ static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double 
   c->solve_s = -1;
   for (i = LCPBENCH_BODIES_; i < LCPBENCH_TEXTS_; ++i) c->text[i].size = 0;
   c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = c->r_entries = 0;
+  c->row_count = c->has_row_names = 0;
   c->has_b = c->has_soft = c->has_ids = c->has_friction = c->has_frames = c->contact_count = c->pose_count = 0;
-  c->has_row_b = c->has_row_compliance = c->has_names = c->row_count = 0;
 }
 
 static inline int lcpbench_in_step_(lcpbench_capture* c) {
@@ -634,48 +629,65 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
   return lcpbench_new_contact_(c, pyramid, 1, id);
 }
 
-/* A bound of a row; an infinite one is none. */
-static inline void lcpbench_bound_(lcpbench_capture* c, lcpbench_text_* text, double value) {
-  lcpbench_next_(c, text);
-  if (value - value == 0 || value != value) lcpbench_number_(c, text, value);
-  else lcpbench_add_(c, text, "null");
+/* Fails with what is wrong in the bounded row that comes next. */
+static inline void lcpbench_bad_row_(lcpbench_capture* c, const char* what) {
+  char words[160];
+  snprintf(words, sizeof words, "rows[%d]: %s", c->row_count, what);
+  lcpbench_fail_(c, words);
 }
 
-static inline int lcpbench_capture_bounded_row(lcpbench_capture* c, int entries, const int* coordinates,
-                                               const double* direction, double lower, double upper, double b,
-                                               double compliance, const char* unit, const char* name) {
-  const lcpbench_row_ row = {0, 0};
+static inline int lcpbench_capture_row(lcpbench_capture* c, int entries, const int* coordinates,
+                                       const double* direction, double lower, double upper, double b, double compliance,
+                                       const char* unit, const char* name) {
+  lcpbench_row_ row = {{0, 0, 0, 0}, 0, 0, -1, 0, 0};
   void* data;
   size_t room;
   if (!lcpbench_in_step_(c)) return -1;
-  if (unit == NULL || (strcmp(unit, "m") != 0 && strcmp(unit, "rad") != 0)) {
-    lcpbench_fail_(c, "a bounded row's unit is \"m\" or \"rad\"");
-  }
-  if (!(lower <= 0 && upper >= 0 && lower < upper)) {
-    lcpbench_fail_(c, "a bounded row has lower <= 0 <= upper, and not 0 for both");
-  }
-  if (!(compliance >= 0)) lcpbench_fail_(c, "a compliance that is no number >= 0");
-  lcpbench_column_(c, LCPBENCH_R_STARTS_, &c->r_entries, entries, coordinates, direction, 1, NULL, 0);
-  lcpbench_bound_(c, &c->text[LCPBENCH_LOWER_], lower);
-  lcpbench_bound_(c, &c->text[LCPBENCH_UPPER_], upper);
-  lcpbench_next_(c, &c->text[LCPBENCH_ROW_B_]);
-  lcpbench_number_(c, &c->text[LCPBENCH_ROW_B_], b);
-  lcpbench_next_(c, &c->text[LCPBENCH_ROW_COMPLIANCE_]);
-  lcpbench_number_(c, &c->text[LCPBENCH_ROW_COMPLIANCE_], compliance);
-  lcpbench_next_(c, &c->text[LCPBENCH_UNITS_]);
-  lcpbench_words_(c, &c->text[LCPBENCH_UNITS_], unit);
-  lcpbench_next_(c, &c->text[LCPBENCH_NAMES_]);
-  lcpbench_words_(c, &c->text[LCPBENCH_NAMES_], name);
-  if (b != 0) c->has_row_b = 1;
-  if (compliance != 0) c->has_row_compliance = 1;
-  if (name != NULL) c->has_names = 1;
   data = c->rows;
   room = (size_t)c->row_room;
+  row.is_angle = unit != NULL && strcmp(unit, "rad") == 0;
+  if (c->bodies > 0) lcpbench_bad_row_(c, "rows and bodies in one step: give the bodies as blocks");
+  if (!(b - b == 0)) lcpbench_bad_row_(c, "b is not finite");
+  if (!(compliance >= 0 && compliance - compliance == 0)) lcpbench_bad_row_(c, "compliance is no number >= 0");
+  if (!(lower <= 0 && upper >= 0 && lower < upper)) lcpbench_bad_row_(c, "needs lower <= 0 <= upper, not both 0");
+  if (unit != NULL && !row.is_angle && strcmp(unit, "m") != 0) lcpbench_bad_row_(c, "unit is neither m nor rad");
+  lcpbench_column_(c, LCPBENCH_R_STARTS_, &c->r_entries, entries, coordinates, direction, 1, NULL, 0);
   if (!lcpbench_grow_(c, &data, &room, (size_t)c->row_count + 1, sizeof row)) return -1;
   c->rows = (lcpbench_row_*)data;
   c->row_room = (int)room;
+  row.numbers[0] = b;
+  row.numbers[1] = compliance;
+  row.numbers[2] = lower;
+  row.numbers[3] = upper;
   c->rows[c->row_count] = row;
+  lcpbench_next_(c, &c->text[LCPBENCH_ROW_NAMES_]);
+  lcpbench_words_(c, &c->text[LCPBENCH_ROW_NAMES_], name);
+  if (name != NULL) c->has_row_names = 1;
   return c->row_count++;
+}
+
+static inline void lcpbench_capture_row_friction(lcpbench_capture* c, int of, double mu) {
+  lcpbench_row_* row;
+  if (!lcpbench_in_step_(c)) return;
+  if (of < 0 || of >= c->row_count - 1 || c->rows[of].of >= 0 || c->rows[of].numbers[2] != 0) {
+    lcpbench_fail_(c, "friction of a row needs an earlier row whose lower bound is 0");
+    return;
+  }
+  if (!(mu >= 0 && mu - mu == 0)) lcpbench_fail_(c, "friction of a row needs mu >= 0");
+  row = &c->rows[c->row_count - 1];
+  row->of = of;
+  row->mu = mu;
+}
+
+static inline void lcpbench_capture_row_impulse(lcpbench_capture* c, int row, double f) {
+  if (!lcpbench_in_step_(c)) return;
+  if (row < 0 || row >= c->row_count) {
+    lcpbench_fail_(c, "no such bounded row in this step");
+    return;
+  }
+  if (!(f - f == 0)) lcpbench_not_finite_(c, "rows", row, "impulse", 7);
+  c->rows[row].impulse = f;
+  c->rows[row].has_impulse = 1;
 }
 
 /* The compliance of all contacts: fields of the problem, or of contact `one` alone. */
@@ -753,17 +765,6 @@ static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, do
   c->contacts[contact].impulse[1] = ft1;
   c->contacts[contact].impulse[2] = c->contacts[contact].turned < 0 ? -ft2 : ft2;
   c->contacts[contact].has_impulse = 1;
-}
-
-static inline void lcpbench_capture_row_impulse(lcpbench_capture* c, int row, double f) {
-  if (!lcpbench_in_step_(c)) return;
-  if (row < 0 || row >= c->row_count) {
-    lcpbench_fail_(c, "no such bounded row in this step");
-    return;
-  }
-  if (!(f - f == 0)) lcpbench_not_finite_(c, "rows", row, "impulse", 7);
-  c->rows[row].impulse = f;
-  c->rows[row].has_impulse = 1;
 }
 
 static inline void lcpbench_capture_frame(lcpbench_capture* c, int contact, const double point[3],
@@ -853,17 +854,7 @@ static inline void lcpbench_gaps_(lcpbench_capture* c, lcpbench_text_* line) {
   lcpbench_add_(c, line, "]");
 }
 
-/* Whether every contact and every bounded row has an impulse. */
-static inline int lcpbench_have_impulses_(const lcpbench_capture* c) {
-  int i;
-  for (i = 0; i < c->row_count; ++i) {
-    if (!c->rows[i].has_impulse) return 0;
-  }
-  if (c->contact_count == 0) return c->row_count > 0;
-  return lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_impulse));
-}
-
-/* f_N of every contact, f_D of every friction direction, f_R of every bounded row: z of the problem without lambda. */
+/* f_N of every contact, f_D of every friction direction, f_R of every bounded row: z without lambda. */
 static inline void lcpbench_impulses_(lcpbench_capture* c, lcpbench_text_* line) {
   int i;
   lcpbench_add_(c, line, "\"impulses\":[");
@@ -909,6 +900,52 @@ static inline void lcpbench_list_(lcpbench_capture* c, lcpbench_text_* line, con
   lcpbench_add_(c, line, after);
 }
 
+/* The field `rows` of the problem. */
+static inline void lcpbench_rows_(lcpbench_capture* c, lcpbench_text_* line) {
+  static const char* const kNames[4] = {",\"b\":[", ",\"compliance\":[", ",\"lower\":[", ",\"upper\":["};
+  int field, i, angles = 0, friction = 0;
+  for (i = 0; i < c->row_count; ++i) {
+    angles = angles || c->rows[i].is_angle;
+    friction = friction || c->rows[i].of >= 0;
+  }
+  lcpbench_list_(c, line, ",\"rows\":{\"R\":{\"starts\":[0", LCPBENCH_R_STARTS_, "]");
+  lcpbench_list_(c, line, ",\"rows\":[", LCPBENCH_R_ROWS_, "]");
+  lcpbench_list_(c, line, ",\"values\":[", LCPBENCH_R_VALUES_, "]}");
+  for (field = 0; field < 4; ++field) {
+    lcpbench_add_(c, line, kNames[field]);
+    for (i = 0; i < c->row_count; ++i) {
+      const double value = c->rows[i].numbers[field];
+      lcpbench_next_(c, line);
+      if (field > 1 && (value - value != 0 || c->rows[i].of >= 0))
+        lcpbench_add_(c, line, "null");
+      else
+        lcpbench_number_(c, line, value);
+    }
+    lcpbench_add_(c, line, "]");
+  }
+  for (field = 0; friction && field < 2; ++field) {
+    lcpbench_add_(c, line, field == 0 ? ",\"friction_of\":[" : ",\"mu\":[");
+    for (i = 0; i < c->row_count; ++i) {
+      lcpbench_next_(c, line);
+      if (c->rows[i].of < 0)
+        lcpbench_add_(c, line, "null");
+      else
+        lcpbench_number_(c, line, field == 0 ? c->rows[i].of : c->rows[i].mu);
+    }
+    lcpbench_add_(c, line, "]");
+  }
+  if (angles) {
+    lcpbench_add_(c, line, ",\"unit\":[");
+    for (i = 0; i < c->row_count; ++i) {
+      lcpbench_next_(c, line);
+      lcpbench_add_(c, line, c->rows[i].is_angle ? "\"rad\"" : "\"m\"");
+    }
+    lcpbench_add_(c, line, "]");
+  }
+  if (c->has_row_names) lcpbench_list_(c, line, ",\"names\":[", LCPBENCH_ROW_NAMES_, "]");
+  lcpbench_add_(c, line, "}");
+}
+
 /* The fields of the problem file's kind "contact". */
 static inline void lcpbench_blocks_(lcpbench_capture* c, lcpbench_text_* line) {
   lcpbench_list_(c, line, "\"contact\",\"v\":[", LCPBENCH_V_, "]");
@@ -924,29 +961,18 @@ static inline void lcpbench_blocks_(lcpbench_capture* c, lcpbench_text_* line) {
   }
   if (c->has_b) lcpbench_list_(c, line, ",\"b\":[", LCPBENCH_B_, "]");
   if (c->has_soft) lcpbench_soft_(c, line, -1);
-  if (c->row_count > 0) {
-    lcpbench_list_(c, line, ",\"rows\":{\"R\":{\"starts\":[0", LCPBENCH_R_STARTS_, "]");
-    lcpbench_list_(c, line, ",\"rows\":[", LCPBENCH_R_ROWS_, "]");
-    lcpbench_list_(c, line, ",\"values\":[", LCPBENCH_R_VALUES_, "]}");
-    lcpbench_list_(c, line, ",\"lower\":[", LCPBENCH_LOWER_, "]");
-    lcpbench_list_(c, line, ",\"upper\":[", LCPBENCH_UPPER_, "]");
-    if (c->has_row_b) lcpbench_list_(c, line, ",\"b\":[", LCPBENCH_ROW_B_, "]");
-    if (c->has_row_compliance) lcpbench_list_(c, line, ",\"compliance\":[", LCPBENCH_ROW_COMPLIANCE_, "]");
-    lcpbench_list_(c, line, ",\"unit\":[", LCPBENCH_UNITS_, "]");
-    if (c->has_names) lcpbench_list_(c, line, ",\"names\":[", LCPBENCH_NAMES_, "]");
-    lcpbench_add_(c, line, "}");
-  }
+  if (c->row_count > 0) lcpbench_rows_(c, line);
   lcpbench_list_(c, line, ",\"G_blocks\":[", LCPBENCH_BLOCKS_, "]");
 }
 
 static inline void lcpbench_capture_end_step(lcpbench_capture* c) {
   lcpbench_text_ line = {NULL, 0, 0};
   const int velocity = c != NULL && c->text[LCPBENCH_VELOCITY_].size > 0;
-  int impulses;
+  int impulses, i;
   if (!lcpbench_in_step_(c)) return;
   c->in_step = 0;
-  impulses = lcpbench_have_impulses_(c);
-  if (c->row_count > 0 && c->blocks == 0) lcpbench_fail_(c, "bounded rows need blocks");
+  impulses = c->contact_count > 0 ? lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_impulse)) : c->row_count > 0;
+  for (i = 0; i < c->row_count; ++i) impulses = impulses && c->rows[i].has_impulse;
   lcpbench_add_(c, &line, "{\"step\":");
   lcpbench_integer_(c, &line, c->step);
   lcpbench_add_(c, &line, ",\"time\":");

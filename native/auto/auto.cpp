@@ -11,6 +11,8 @@
 #include "core/registry.h"
 #include "core/settings.h"
 #include "core/timed_solve.h"
+#include "core/answer/contact_residual.h"
+#include "native/answer_test/answer_test.h"
 #include "native/answer_test/rest.h"
 #include "native/auto/bare_blocks.h"
 #include "native/auto/even_impulses.h"
@@ -18,6 +20,7 @@
 #include "native/auto/island_solver.h"
 #include "native/auto/methods.h"
 #include "native/auto/report.h"
+#include "native/auto/row_states.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/contacts/row_bounds.h"
 #include "native/proofs/doubtful_inertia.h"
@@ -27,9 +30,17 @@ namespace {
 
 constexpr Capabilities kCapabilities{
     .compliance = true,
+    .rows = true,
     .guarantees = "contact problems with positive definite G and mu >= 0, barring ties; frictionless ones of any rank",
     .warm_start = true,
     .obeys_time_limit = true};
+
+constexpr Capabilities on_contacts_alone() {
+  Capabilities capabilities = kCapabilities;
+  capabilities.rows = false;
+  return capabilities;
+}
+constexpr Capabilities kOnContacts = on_contacts_alone();
 
 struct AutoSettings {
   double error = 0;
@@ -104,21 +115,32 @@ bool rests(const ContactProblem& contact, const Vector& v) {
 /// the velocity where all methods gave one. SolveRequest::start should be the last answer: some methods begin from it,
 /// and StickingContacts.
 ///
+/// Bounded rows are solved by their states where those of small robots tell them (RowStates); else, and where the states
+/// find no answer, as contacts (core/contacts_of_rows.h).
+///
 /// solve() allocates where a method is loaded that load() has not loaded, as for each of several blocks:
 /// `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
-  explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {
+  explicit Auto(const AutoSettings& settings, bool takes_rows = true)
+      : settings_(settings), takes_rows_(takes_rows), later_(std::make_shared<LaterEngines>()) {
     if (settings.impulses == Impulses::kEven) even_.emplace();
   }
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return takes_rows_ ? kCapabilities : kOnContacts; }
 
  private:
-  void on_load(const Problem& problem) override { load(problem, false); }
+  void on_load(const Problem& problem) override {
+    if (!load_rows(problem)) load(problem, false);
+  }
   void on_update(const Vector& v) override;
-  void on_change(const Problem& problem) override { load(problem, true); }
+  void on_change(const Problem& problem) override {
+    if (!load_rows(problem)) load(problem, true);
+  }
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
+  bool load_rows(const Problem& problem);
+  void solve_rows(const SolveRequest& request, Answer& answer);
+  bool solve_by_states(const SolveRequest& request, Answer& answer);
   void load(const Problem& problem, bool is_next_step);
   void load_whole(bool is_next_step);
   void load_islands(const ContactProblem& contact, bool is_next_step);
@@ -129,6 +151,11 @@ class Auto final : public Solver {
   void make_even(double deadline_s, Answer& answer);
 
   AutoSettings settings_;
+  const bool takes_rows_;
+  bool has_rows_ = false, by_states_ = false;
+  RowStates states_;
+  std::unique_ptr<Auto> between_, as_contacts_;  ///< of what the states leave; of contacts in the place of rows
+  Answer part_;
   BareBlocks bare_;  ///< of bare LCPs, all
 
   std::shared_ptr<LaterEngines> later_;
@@ -149,6 +176,62 @@ class Auto final : public Solver {
   Vector v_, u_;
   std::optional<EvenImpulses> even_;  ///< where they are asked for
 };
+
+/// @returns whether the problem has bounded rows, and is taken
+bool Auto::load_rows(const Problem& problem) {
+  const ContactProblem* const contact = problem.contact();
+  has_rows_ = contact != nullptr && contact->has_rows();
+  if (!has_rows_) return false;
+  by_states_ = settings_.impulses == Impulses::kAny && RowStates::takes(*contact);
+  if (by_states_) states_.load(*contact);
+  return true;
+}
+
+void Auto::solve_rows(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  if (by_states_ && solve_by_states(request, answer)) return;
+  if (as_contacts_ == nullptr) as_contacts_ = std::make_unique<Auto>(settings_, false);
+  as_contacts_->load_finite(problem());
+  as_contacts_->solve({.start = request.start, .time_limit_s = deadline_s - wall_clock_s()}, answer);
+}
+
+/// @returns whether it is solved
+bool Auto::solve_by_states(const SolveRequest& request, Answer& answer) {
+  constexpr int kMostRounds = 12;
+  const ContactProblem& contact = *problem().contact();
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  if (between_ == nullptr) between_ = std::make_unique<Auto>(settings_, false);
+  states_.guess(request.start);
+  Vector start;
+  if (request.start != nullptr) start = request.start->head(problem().size() - contact.rows.size());
+  AutoReport report;
+  int round = 0;
+  for (bool are_right = false; !are_right;) {
+    if (++round > kMostRounds || !states_.reduce()) return false;
+    const auto left = std::shared_ptr<const ContactProblem>(std::shared_ptr<void>(), &states_.contacts());
+    round == 1 ? between_->load_finite(Problem("", left)) : between_->update(Problem("", left));
+    between_->solve({.start = start.size() > 0 ? &start : nullptr, .time_limit_s = deadline_s - wall_clock_s()}, part_);
+    if (part_.claim != Claim::kSolved) return false;
+    const Vector velocity = part_.velocity.size() > 0 ? Vector(part_.velocity) : post_impact_velocity(*left, part_.z);
+    are_right = states_.settle(part_.z, velocity);
+    start = part_.z;
+    report.add(part_.counters, "");
+  }
+  answer.z = states_.z();
+  if (states_.holds()) {
+    answer.velocity = states_.velocity();
+  } else {
+    ContactResidual residual(contact);
+    const double limit = std::max(error_of(settings_), kClaimedQuadResidual);
+    if (!residual.lcp || !(residual.rho(residual.at(answer.z)) <= limit)) return false;
+  }
+  answer.claim = Claim::kSolved;
+  answer.impulses = Impulses::kAny;
+  answer.counters = report.counters();
+  answer.detail = part_.detail;
+  if (round > 1) answer.detail += (answer.detail.empty() ? "" : "; ") + std::to_string(round) + " rounds of bounded rows";
+  return true;
+}
 
 /// @param is_next_step its contacts are those of the next step
 void Auto::load(const Problem& problem, bool is_next_step) {
@@ -202,7 +285,7 @@ void Auto::load_islands(const ContactProblem& contact, bool is_next_step) {
 }
 
 void Auto::on_update(const Vector& v) {
-  if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
+  if (!v.allFinite() || has_rows_) return Solver::on_update(v);  // that of v refuses it, as load does
   v_ = v;
   if (even_.has_value()) even_->set_velocity(v);
   for (std::size_t k = 0; !is_whole_ && k < count_; ++k) islands_[k]->update(v_);
@@ -213,6 +296,7 @@ void Auto::on_update(const Vector& v) {
 }
 
 void Auto::on_solve(const SolveRequest& request, Answer& answer) {
+  if (has_rows_) return solve_rows(request, answer);
   const double deadline_s = wall_clock_s() + request.time_limit_s;
   if (problem().contact() == nullptr) {
     bare_.solve(request, answer);

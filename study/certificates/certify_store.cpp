@@ -115,16 +115,20 @@ Sets open_sets(const std::vector<CertifyTask>& tasks) {
 double least_violation(const Problem& problem, const Certificate& certificate) {
   const ContactProblem* contact = problem.contact();
   if (certificate.proof != ProofKind::kFarkas || contact == nullptr) return kNone;
-  const std::vector<std::string>& numerators = certificate.exact_farkas.numerators;  // of the normals, then of friction
-  if (std::ssize(numerators) < contact->nc()) return kNone;
+  // Of the normals, then of bounded rows; where there are none, of friction.
+  const std::vector<std::string>& numerators = certificate.exact_farkas.numerators;
+  const Index nc = contact->nc(), weights = nc + contact->rows.size();
+  if (std::ssize(numerators) < weights) return kNone;
   mpq_class missing, total;
-  for (Index c = 0; c < contact->nc(); ++c) {
-    const mpq_class u(mpz_class(numerators[static_cast<std::size_t>(c)]));
-    mpq_class q(contact->offset(c));
-    for_each_entry(contact->N, c, [&](Index i, double entry) { q += mpq_class(entry) * mpq_class(contact->v(i)); });
+  const auto add = [&](const Jacobian& J, Index column, double offset, Index weight) {
+    const mpq_class u(mpz_class(numerators[static_cast<std::size_t>(weight)]));
+    mpq_class q(offset);
+    for_each_entry(J, column, [&](Index i, double entry) { q += mpq_class(entry) * mpq_class(contact->v(i)); });
     missing -= u * q;
-    total += u;
-  }
+    total += abs(u);
+  };
+  for (Index c = 0; c < nc; ++c) add(contact->N, c, contact->offset(c), c);
+  for (Index row = 0; nc + row < weights; ++row) add(contact->rows.R, row, contact->rows.offset(row), nc + row);
   if (sgn(total) <= 0) return kNone;
   const double bound = mpq_class(missing / total).get_d();  // rounded towards zero
   return std::min(bound, std::numeric_limits<double>::max());

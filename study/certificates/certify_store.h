@@ -27,7 +27,7 @@ struct CertifyOutcome {
   std::int64_t total = 0;  ///< problems that it had to do
 };
 
-/// What every answer violates some contact by, at least (core/answer/farkas.h), from the exact u of a proof
+/// What every answer violates some contact or bounded row by, at least (core/answer/farkas.h), from the exact u of a proof
 /// kFarkas; NaN for other proofs and bare LCPs. [m/s]
 double least_violation(const Problem& problem, const Certificate& certificate);
 

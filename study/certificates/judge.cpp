@@ -11,7 +11,7 @@ namespace lcpbench {
 
 std::optional<Certificate> BoundedCertifier::certify(const Problem& problem) {
   const ContactProblem* contact = problem.contact();
-  const Index rows = contact != nullptr ? contact->nc() : problem.size();
+  const Index rows = contact != nullptr ? contact->nc() + contact->rows.size() : problem.size();
   if (rows > kMostRows || (contact != nullptr && contact->ngc() > kMostCoordinates)) return std::nullopt;
   if (certifier_ == nullptr) certifier_ = std::make_unique<Certifier>(CertifyOptions{.most_work = kMostWork});
   return certify(problem, *certifier_);

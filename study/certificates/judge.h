@@ -16,7 +16,7 @@ namespace lcpbench {
 /// One for each thread.
 class BoundedCertifier {
  public:
-  /// Problems with more contacts, rows of a bare LCP, or coordinates are left alone.
+  /// Problems with more contacts and bounded rows, rows of a bare LCP, or coordinates are left alone.
   static constexpr Index kMostRows = 32;
   static constexpr Index kMostCoordinates = 64;
   /// For each problem: see CertifyOptions::most_work. Mostly below half a second; numbers that span hundreds of

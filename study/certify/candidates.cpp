@@ -47,11 +47,10 @@ std::vector<Index> support(const Vector& z, Index n) {
   return positive;
 }
 
-Guess classified(const Problem& problem, const Vector& z) {
+Guess classified(const Lcp& lcp, const Vector& z) {
   constexpr double kClear = 1e-9;
   constexpr double kTight = 1e-8;
   Guess guess;
-  const Lcp& lcp = problem.lcp();
   if (z.size() != lcp.size() || !z.allFinite()) return guess;
   const Vector w = lcp.q + lcp.M * z;
   const Vector terms = lcp.q.cwiseAbs() + lcp.M.cwiseAbs() * z.cwiseAbs();

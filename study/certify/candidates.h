@@ -33,7 +33,7 @@ struct Guess {
   std::vector<Index> unclear;  ///< both z_i and w_i are clearly positive, or neither is
   std::vector<Index> tight;    ///< w_i is zero to rounding, and z_i is not positive
 };
-Guess classified(const Problem& problem, const Vector& z);
+Guess classified(const Lcp& lcp, const Vector& z);
 
 /// The i with z_i > 0, the largest first; none where z is not n finite numbers.
 std::vector<Index> support(const Vector& z, Index n);

@@ -9,6 +9,7 @@
 #include "core/compliance.h"
 #include "core/error.h"
 #include "core/registry.h"
+#include "core/selection.h"
 #include "study/certify/candidates.h"
 #include "study/certify/certificate.h"
 #include "study/certify/exact_lemke.h"
@@ -74,6 +75,10 @@ Vector to_unit_doubles(const IntegerMatrix& x) {
   return result;
 }
 
+bool has_friction_rows(const BoundedRows& rows) {
+  return std::ranges::any_of(rows.bounds.friction_of, [](int of) { return of >= 0; });
+}
+
 /// The problem's coordinates with contacts of these columns and offsets, without friction.
 ContactProblem without_friction(const ContactProblem& problem, Matrix N, Vector b) {
   ContactProblem contact;
@@ -104,7 +109,7 @@ class TruthSearch {
   TruthSearch(const Problem& problem, const CertifyOptions& options, const Deadline& deadline, Candidates& candidates)
       : problem_(problem),
         contact_(problem.contact()),
-        is_frictional_(contact_ != nullptr && contact_->frictional()),
+        is_frictional_(contact_ != nullptr && (contact_->frictional() || has_friction_rows(contact_->rows))),
         options_(options),
         deadline_(deadline),
         candidates_(candidates),
@@ -118,9 +123,11 @@ class TruthSearch {
                                                                   : decide_frictional();
     if (!decided) return {.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way"};
     // Without a positive mu no friction acts, and M of the normals is semidefinite.
-    const bool one_velocity = solution_ && truth_.semidefinite && contact_->mu.isZero(0);
+    const bool one_velocity =
+        solution_ && truth_.semidefinite && contact_->mu.isZero(0) && contact_->rows.bounds.mu.isZero(0);
     if (one_velocity) certificate_.velocity_unique = true;
-    if (options_.seek_other_velocity && solution_ && is_frictional_ && !one_velocity) {
+    const bool may_have_other = solution_ && is_frictional_ && !one_velocity && !truth_.rows;
+    if (options_.seek_other_velocity && may_have_other) {
       try {
         seek_other_velocity();
       } catch (const TimePassed&) {  // what was found stays
@@ -152,19 +159,32 @@ class TruthSearch {
     if (deadline_.passed()) return false;
     const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
     if (answer.claim != Claim::kSolved) return false;
-    const std::optional<Point> point = solution_near(answer.z);
+    const std::optional<Point> point = solution_near(unknowns(answer.z));
     return point && take_solution(*point, std::string("basis of ") + spec);
   }
 
   bool solves(const Point& point) const { return is_solution(system_, point, system_.values(point, deadline_)); }
 
+  /// Of the system, from z.
+  Vector unknowns(const Vector& z) const {
+    if (!truth_.rows || z.size() != problem_.size() || !z.allFinite()) return z;
+    return truth_.rows->unknowns(z, problem_.lcp().M * z + problem_.lcp().q);
+  }
+
+  /// The LCP of the system's unknowns, in double.
+  const Lcp& lcp() {
+    if (!truth_.rows) return problem_.lcp();
+    if (!lcp_) lcp_ = truth_.rows->lcp(problem_.lcp());
+    return *lcp_;
+  }
+
   /// A solution near the float solution z.
-  std::optional<Point> solution_near(const Vector& z) const {
+  std::optional<Point> solution_near(const Vector& z) {
     const auto accepts = [&](const Point& point, const IntegerMatrix& values) {
       return is_solution(system_, point, values);
     };
     const auto settled = [&]() -> std::optional<Point> {
-      const Guess guess = classified(problem_, z);
+      const Guess guess = classified(lcp(), z);
       if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return std::nullopt;
       LemkeOutcome lemke = exact_lemke(system_, guess.basis, guess.unclear, deadline_);
       if (lemke.ending != LemkeEnding::kSolution || !solves(lemke.x)) return std::nullopt;
@@ -177,11 +197,11 @@ class TruthSearch {
   /// @param settled  gives a point, or none, in another way; asked when the support of z gave none
   template <class Settled, class Accepts>
   std::optional<Point> certified_near(const ExactSystem& system, const Vector& z, Settled&& settled,
-                                      Accepts&& accepts) const {
+                                      Accepts&& accepts) {
     std::vector<Index> basis = support(z, system.size);
     for (int round = 0; round <= kExchanges; ++round) {
       const auto tight = [&] {
-        return round == 0 && &system == &system_ ? classified(problem_, z).tight : std::vector<Index>();
+        return round == 0 && &system == &system_ ? classified(lcp(), z).tight : std::vector<Index>();
       };
       Point point = point_on(system, basis, deadline_, tight);
       const IntegerMatrix values = system.values(point, deadline_);
@@ -214,21 +234,47 @@ class TruthSearch {
   }
 
   ExactVector z_of(const Point& point) const {
-    return to_text({part(point, range(system_.column_of(0), point.rows()), {0}), 0}, point(0));
+    const Dyadic x{part(point, range(system_.column_of(0), point.rows()), {0}), 0};
+    if (!truth_.rows) return to_text(x, point(0));
+    Vector origin = Vector::Zero(problem_.size());
+    origin.tail(truth_.rows->origin.size()) = truth_.rows->origin;
+    const Dyadic denominator{part(point, {0}, {0}), 0};
+    return to_text(to_dyadic(truth_.rows->to_impulses()) * x + to_dyadic(origin) * denominator, point(0));
   }
 
-  /// A vector that contradicts the inequalities of contacts' normals, or of a bare LCP.
+  /// The contacts without friction and the bounded rows that have none.
+  Problem without_any_friction() const {
+    ContactProblem normals = without_friction(*contact_, to_dense(contact_->N), contact_->b);
+    normals.compliance_n = contact_->compliance_n;
+    normals.rows = contact_->rows;
+    return {"normals", select_rows(normals, rows_without_friction())};
+  }
+
+  std::vector<Index> rows_without_friction() const {
+    std::vector<Index> rows;
+    for (Index row = 0; row < contact_->rows.size(); ++row) {
+      if (contact_->rows.bounds.friction_of[index(row)] < 0) rows.push_back(row);
+    }
+    return rows;
+  }
+
+  /// A vector that contradicts the inequalities of contacts' normals and bounded rows, or of a bare LCP.
   bool contradicted() {
     if (deadline_.passed()) return false;
     if (contact_ == nullptr) return 2 * system_.size <= kLargestMonotoneLemke && contradicted_by_lemke();
     // Impulses that move nothing need not be able to bring contacts to rest: neither can those that move all where
     // contacts ask for more than rest.
-    if (truth_.full_rank && !contact_->has_offset()) return false;
+    if (truth_.full_rank && !asks_for_more_than_rest()) return false;
     const Index nc = contact_->nc();
-    ContactProblem normals = without_friction(*contact_, to_dense(contact_->N), contact_->b);
-    normals.compliance_n = contact_->compliance_n;
-    const Answer& answer = candidates_.answer("active_set", Problem("normals", std::move(normals)), deadline_.left_s());
-    const std::vector<Index> columns = support(answer.farkas, nc);
+    const std::vector<Index> rows = rows_without_friction();
+    const Answer& answer = candidates_.answer("active_set", without_any_friction(), deadline_.left_s());
+    if (answer.farkas.size() != nc + std::ssize(rows) || !answer.farkas.allFinite()) return false;
+    std::vector<Index> columns = support(answer.farkas.head(nc), nc);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double weight = answer.farkas(nc + static_cast<Index>(i));
+      const std::optional<Index> column = truth_.rows->with_sign(rows[i], weight > 0 ? 1 : -1);
+      if (weight != 0 && column) columns.push_back(*column);
+    }
     // q'u = -1 and B u = 0
     const Dyadic q{part(truth_.q.m, columns, {0}), truth_.q.exponent};
     const Dyadic B{part(truth_.B.m, range(0, truth_.B.m.rows()), columns), truth_.B.exponent};
@@ -242,17 +288,23 @@ class TruthSearch {
     return take_contradiction(u, "support of the contradiction of active_set");
   }
 
+  bool asks_for_more_than_rest() const { return contact_->has_offset() || contact_->rows.b.size() > 0; }
+
   /// What active_set takes for solvable, as the normals contradict each other by less than it can see.
   bool normals_contradicted_by_lemke() {
-    if (!contact_->has_offset() || contact_->nc() > kLargestContactLemke || deadline_.passed()) return false;
-    ContactProblem normals = without_friction(*contact_, to_dense(contact_->N), contact_->b);
-    normals.compliance_n = contact_->compliance_n;
-    const Problem problem("normals", std::move(normals));
+    if (!asks_for_more_than_rest() || deadline_.passed()) return false;
+    const Problem problem = without_any_friction();
     const ExactProblem truth(problem, deadline_);
-    const LemkeOutcome lemke = exact_lemke(truth.system, {}, range(0, contact_->nc()), deadline_);
+    if (truth.system.size > kLargestContactLemke) return false;
+    const LemkeOutcome lemke = exact_lemke(truth.system, {}, range(0, truth.system.size), deadline_);
     if (lemke.ending != LemkeEnding::kRay) return false;
     IntegerMatrix u(system_.size);
     for (Index i = 0; i < contact_->nc(); ++i) fmpz_set(u(i), lemke.x(i));
+    const std::vector<Index> rows = rows_without_friction();
+    for (Index k = 0; truth.rows && k < std::ssize(truth.rows->parts); ++k) {
+      const auto [row, sign] = truth.rows->parts[index(k)];
+      fmpz_set(u(truth_.rows->with_sign(rows[index(row)], sign).value()), lemke.x(truth.rows->part_offset() + k));
+    }
     return take_contradiction(u, "ray of exact lexicographic Lemke on the normals");
   }
 
@@ -272,9 +324,25 @@ class TruthSearch {
 
   bool take_contradiction(IntegerMatrix u, const std::string& detail) {
     if (!is_contradiction(system_, u)) return false;
-    if (contact_ != nullptr) u = part(u, range(0, contact_layout(*contact_).lambda_offset()), {0});
+    if (truth_.rows) {
+      u = weights_of_rows(u);
+    } else if (contact_ != nullptr) {
+      u = part(u, range(0, contact_layout(*contact_).lambda_offset()), {0});
+    }
     take_proof(CertificateKind::kUnsolvable, ProofKind::kFarkas, u, Integer(1).get(), detail);
     return true;
+  }
+
+  /// One weight for each contact, and for each bounded row that of w less that of -w.
+  IntegerMatrix weights_of_rows(const IntegerMatrix& u) const {
+    const Index nc = contact_->nc();
+    IntegerMatrix weights(nc + contact_->rows.size());
+    for (Index i = 0; i < nc; ++i) fmpz_set(weights(i), u(i));
+    for (Index k = 0; k < std::ssize(truth_.rows->parts); ++k) {
+      const auto [row, sign] = truth_.rows->parts[index(k)];
+      fmpz_addmul_si(weights(nc + row), u(truth_.rows->part_offset() + k), sign);
+    }
+    return weights;
   }
 
   void take_proof(CertificateKind kind, ProofKind proof, const IntegerMatrix& vector, const fmpz* denominator,
@@ -356,7 +424,7 @@ class TruthSearch {
   // Where contacts can bring everything to rest and ask for no more, v + Y p = 0 will do; where all yield, any
   // velocity; else the post-impact velocity of the frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
-    if (!truth_.semidefinite || deadline_.passed()) return false;
+    if (!truth_.semidefinite || truth_.rows || deadline_.passed()) return false;
     const ExactSystem edges = edge_system(*contact_, truth_, deadline_);
     Point point(edges.rows.cols());
     fmpz_one(point(0));
@@ -448,6 +516,7 @@ class TruthSearch {
   Candidates& candidates_;
   ExactProblem truth_;
   const ExactSystem& system_;
+  std::optional<Lcp> lcp_;
   Certificate certificate_;
   std::optional<Point> solution_;
 };

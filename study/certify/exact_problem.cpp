@@ -83,9 +83,24 @@ void set_inertia(const ContactProblem& contact, const Dyadic& C, ExactProblem& p
 
 void set_contacts(const ContactProblem& contact, ExactProblem& problem, const Deadline& deadline) {
   const ContactLayout layout = contact_layout(contact);
-  const Index velocities = layout.lambda_offset();
+  const RowUnknowns rows(contact);
+  if (contact.has_rows()) problem.rows = rows;
+  const Index impulses = layout.lambda_offset(), velocities = rows.cone_offset();
+  const Index slacks = std::ssize(rows.slacks);
   Matrix C(contact.ngc(), velocities);
-  C << to_dense(contact.N), to_dense(contact.D);
+  C.leftCols(impulses) << to_dense(contact.N), to_dense(contact.D);
+  // Of bounded rows: the signs of their parts; b, compliance; and the impulses of their origin, by parts.
+  Matrix signs = Matrix::Zero(velocities, layout.rows);
+  Vector row_b = Vector::Zero(layout.rows), row_compliance = row_b, origin = Vector::Zero(velocities);
+  const Matrix R = contact.has_rows() ? to_dense(contact.rows.R) : Matrix(contact.ngc(), 0);
+  for (Index k = 0; k < std::ssize(rows.parts); ++k) {
+    const auto [row, sign] = rows.parts[index(k)];
+    C.col(impulses + k) = sign * R.col(row);
+    signs(impulses + k, row) = sign;
+    row_b(row) = contact.rows.offset(row);
+    row_compliance(row) = contact.rows.yields(row);
+    origin(impulses + k) = sign * rows.origin(row);
+  }
   // Of the velocities: b and r_n; the directions of friction in both tangents of each contact, where they have an
   // offset or yield; lambda. Then the cone rows, mu_i f_N,i - sum of f_D.
   Vector b = Vector::Zero(velocities);
@@ -93,8 +108,8 @@ void set_contacts(const ContactProblem& contact, ExactProblem& problem, const De
   Vector offset_t = Vector::Zero(2 * layout.nc);
   Vector compliance_t = Vector::Zero(2 * layout.nc);
   Matrix directions = Matrix::Zero(velocities, contact.is_soft() ? 2 * layout.nc : 0);
-  Matrix slip = Matrix::Zero(velocities, layout.cones);
-  Matrix cones = Matrix::Zero(layout.cones, velocities + layout.cones);
+  Matrix slip = Matrix::Zero(velocities, layout.cones + slacks);
+  Matrix cones = Matrix::Zero(layout.cones + slacks, velocities + layout.cones + slacks);
   for (Index i = 0; i < layout.nc; ++i) {
     b(i) = contact.offset(i);
     yielding(i) = contact.normal_compliance(i);
@@ -110,6 +125,21 @@ void set_contacts(const ContactProblem& contact, ExactProblem& problem, const De
       cones(layout.lambda[index(i)], row) = -1;
     }
   }
+  Vector upper = Vector::Zero(layout.cones + slacks), lower = upper;
+  for (Index k = 0; k < slacks; ++k) {
+    const RowUnknowns::Slack& slack = rows.slacks[index(k)];
+    const Index at = layout.cones + k, first = impulses + slack.first;
+    for (Index part = first; part <= first + (slack.is_friction() ? 1 : 0); ++part) {
+      slip(part, at) = 1;
+      cones(at, part) = -1;
+    }
+    if (slack.is_friction()) {
+      cones(at, impulses + slack.load) = rows.bounds.mu(slack.row);
+    } else {
+      upper(at) = rows.bounds.upper(slack.row);
+      lower(at) = rows.bounds.lower(slack.row);
+    }
+  }
   problem.v = to_dyadic(contact.v);
   const Dyadic columns = to_dyadic(C);
   set_inertia(contact, columns, problem, deadline);
@@ -122,16 +152,23 @@ void set_contacts(const ContactProblem& contact, ExactProblem& problem, const De
     problem.q = problem.q + D * to_dyadic(offset_t);
     S = to_dyadic(Matrix(yielding.asDiagonal())) + D * to_dyadic(Matrix(compliance_t.asDiagonal())) * transposed(D);
   }
+  if (contact.has_rows()) {
+    const Dyadic T = to_dyadic(signs), r = to_dyadic(Matrix(row_compliance.asDiagonal()));
+    problem.q = problem.q + T * (to_dyadic(row_b) + r * to_dyadic(rows.origin));
+    S = S + T * r * transposed(T);
+  }
   const auto zeros = [](Index rows, Index cols) { return Dyadic{IntegerMatrix(rows, cols), 0}; };
   const Index k = problem.K.m.rows();
-  problem.system = {beside(zeros(k, 1), problem.K, -problem.B, zeros(k, layout.cones)),
+  const Dyadic at_origin = origin.isZero(0) ? zeros(k, 1) : -(problem.B * to_dyadic(origin));
+  problem.system = {beside(at_origin, problem.K, -problem.B, zeros(k, slip.cols())),
                     beside(problem.q, problem.R, S, to_dyadic(slip)),
-                    beside(zeros(layout.cones, 1 + k), to_dyadic(cones))};
+                    beside(to_dyadic(upper) + -to_dyadic(lower), zeros(slip.cols(), k), to_dyadic(cones))};
 }
 
 bool is_too_large(const Problem& problem) {
   const ContactProblem* contact = problem.contact();
   Index order = 1 + problem.size();
+  if (contact != nullptr) order += 2 * contact->rows.size();
   if (contact != nullptr) {
     const auto* factors = std::get_if<FactoredInertia>(&contact->inertia);
     order += factors != nullptr ? factors->alpha.size() : contact->ngc();

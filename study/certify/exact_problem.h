@@ -6,6 +6,7 @@
 #include "core/problem.h"
 #include "study/certify/deadline.h"
 #include "study/certify/integers.h"
+#include "study/certify/row_unknowns.h"
 
 namespace lcpbench::exact {
 
@@ -14,10 +15,10 @@ using Point = IntegerMatrix;
 
 /// A complementarity problem over the integers: find p (k) and z (n) >= 0 with
 ///
-///     [0 K -L] [1; p; z] = 0,   w = [q R' S] [1; p; z] >= 0,   z'w = 0.
+///     [c K -L] [1; p; z] = 0,   w = [q R' S] [1; p; z] >= 0,   z'w = 0.
 ///
 /// A bare LCP has k = 0 and S = M. A contact problem keeps its inertia in K, so that no inverse is ever formed. p and z
-/// are in the problem's units.
+/// are in the problem's units. c is zero but for bounded rows with bounds that are not: z is then that of RowUnknowns.
 struct ExactSystem {
   Index potentials = 0;          ///< k, entries of the change of velocity in some coordinates
   Index size = 0;                ///< n
@@ -36,7 +37,7 @@ struct ExactSystem {
   IntegerMatrix w_in_one_unit() const;
 };
 
-/// The system of a problem, and what is proven of its inertia. With C = [N D], the inertia is K p = B f for impulses f,
+/// The system of a problem, and what is proven of its inertia. With C = [N D R], the inertia is K p = B f for impulses f,
 /// and the change of velocity is Y p; docs/explanation/certificates.md has them for each form.
 struct ExactProblem {
   /// @throws TimePassed
@@ -45,6 +46,7 @@ struct ExactProblem {
   ExactSystem system;
   Dyadic v, K, B, R, q;       ///< contacts only, as all below: v before the impact, w = q + R p for impulses of zero
   Dyadic shape;               ///< Y
+  std::optional<RowUnknowns> rows;  ///< where there are bounded rows
   bool semidefinite = false;  ///< proven: M restricted to impulses is symmetric positive semidefinite
   bool full_rank = false;     ///< proven: G* C f = 0 only where C f = 0
   std::string refusal;        ///< why nothing can be certified; "" where it can. Else there is no system
@@ -60,7 +62,8 @@ ExactSystem edge_system(const ContactProblem& contact, const ExactProblem& probl
 bool is_solution(const ExactSystem& system, const Point& point, const IntegerMatrix& values);
 
 /// u >= 0, L u = 0, S'u <= 0, q'u < 0, in the problem's units. For a system without potentials, and for one of
-/// contacts, whose R'K^-1 L is symmetric, this contradicts w >= 0: u'w <= q'u whatever z >= 0.
+/// contacts, whose R'K^-1 L is symmetric, this contradicts w >= 0: u'w <= q'u whatever z >= 0. c does not count, as
+/// u'R'K^-1 c is the impulses of c times K^-1 L u.
 bool is_contradiction(const ExactSystem& system, const IntegerMatrix& u);
 
 /// Whether after the shift of the velocity by Y p the velocities w of the edges are >= 0, but for contacts with r_n >

@@ -94,9 +94,10 @@ std::string finding(const Problem& problem, const Certificate& certificate) {
     case ProofKind::kFarkas: {
       const double bound = least_violation(problem, certificate);
       return bound > 0 ? fmt::format(
-                             "it has no solution: whatever the impulses, a contact is violated by {:.3g} m/s "
+                             "it has no solution: whatever the impulses, a contact{} is violated by {:.3g} {} "
                              "or more",
-                             bound)
+                             problem.contact()->has_rows() ? " or bounded row" : "", bound,
+                             problem.contact()->has_rows() ? "m/s or rad/s" : "m/s")
                        : "it has no solution, proven in exact arithmetic";
     }
     case ProofKind::kEveryBasis: return "it has no solution: no basis gives one in exact arithmetic";

@@ -11,6 +11,7 @@
 #include "generators/scenes/scenes.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
+#include "study/evaluation/bounded_row_states.h"
 
 namespace lcpbench {
 namespace {
@@ -113,10 +114,17 @@ Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file
   return spec;
 }
 
-Json errors_json(const Errors& errors) {
+Json errors_json(const Problem& problem, const Errors& errors) {
   Json json = Json::object();
   for (const Metric& metric : kMetrics) json[metric.name] = json_number(errors.*metric.value);
   json["worst_row"] = errors.worst.row < 0 ? Json() : Json(errors.worst.row);
+  json["contact_residual_m_per_s"] = json_number(errors.contact_residual_m_per_s);
+  json["worst_bounded_row"] = nullptr;
+  if (const auto& [row, residual] = errors.worst_bounded_row; row >= 0) {
+    json["worst_bounded_row"] = {{"row", row},
+                                 {"residual", json_number(residual)},
+                                 {"unit", velocity_unit(problem.contact()->rows, row)}};
+  }
   return json;
 }
 
@@ -131,6 +139,9 @@ std::string problem_summary_text(const Problem& problem, const std::string& file
     text += fmt::format(", {}, {}, {}", counted_noun(static_cast<std::size_t>(contact->ngc()), "coordinate"),
                         counted_noun(static_cast<std::size_t>(contact->nc()), "contact"),
                         counted_noun(static_cast<std::size_t>(cols(contact->D)), "friction edge"));
+    if (contact->has_rows()) {
+      text += ", " + counted_noun(static_cast<std::size_t>(contact->rows.size()), "bounded row");
+    }
   } else if (const LcpBounds& bounds = problem.lcp().bounds; problem.lcp().is_mixed()) {
     std::size_t free = 0, friction = 0;
     for (Index i = 0; i < problem.size(); ++i) {

@@ -56,7 +56,7 @@ Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file
 std::vector<std::string> contact_names(const std::string& file);
 
 /// Every metric by its name, and the worst row.
-Json errors_json(const Errors& errors);
+Json errors_json(const Problem& problem, const Errors& errors);
 
 /// The numbers with blanks between them; "" for none, and where they are too many for a line or two.
 std::string few_numbers(const Vector& numbers);

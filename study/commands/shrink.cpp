@@ -120,6 +120,7 @@ Proof prove(const Problem& problem, FailureKind kind) {
 Json size_json(const Problem& problem) {
   const ProblemSize size = problem_size(problem);
   return {{"contacts", size.contacts},
+          {"rows", size.rows},
           {"bodies", size.bodies},
           {"friction_edges", size.friction_edges},
           {"numbers", size.numbers},
@@ -162,6 +163,7 @@ void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, co
   };
   const ProblemKind kind = outcome.start.kind();
   row(kind == ProblemKind::kLcp ? "rows" : "contacts", before.contacts, after.contacts);
+  row("bounded rows", before.rows, after.rows);
   row(kind == ProblemKind::kScene ? "bodies" : "coordinates", before.bodies, after.bodies);
   row("friction edges", before.friction_edges, after.friction_edges);
   row("numbers that are not zero", before.numbers, after.numbers);
@@ -239,7 +241,7 @@ Action add_shrink_command(CLI::App& command) {
              number_check(0, 1e9));
   add_output_options(command, arguments->json);
   command.footer(
-      "Leaves out contacts, bodies and friction, and rounds numbers, as long as the solver fails in the same way. Exit "
+      "Leaves out contacts, bounded rows, bodies and friction, and rounds numbers, as long as the solver fails in the same way. Exit "
       "code 1: it does not fail on FILE, or not again; nothing is written. Ctrl-C writes the smallest problem until "
       "then (exit code 3). See docs/howto/report-a-failing-case.md.");
   return [arguments] { return run_shrink(*arguments); };

@@ -18,6 +18,7 @@
 #include "study/commands/solve_models.h"
 #include "study/commands/solve_total.h"
 #include "study/evaluation/fastest_contact.h"
+#include "study/evaluation/bounded_row_states.h"
 #include "study/models/ladder.h"
 #include "study/models/pyramid.h"
 #include "study/output/columns.h"
@@ -120,6 +121,8 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
   return result;
 }
 
+bool has_rows(const Problem& problem) { return problem.contact() != nullptr && problem.contact()->has_rows(); }
+
 /// How the truth of the problem is known, in words; "" where it is not.
 std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
   const auto first = [&](auto holds) { return std::find_if(attempts.begin(), attempts.end(), holds); };
@@ -156,7 +159,8 @@ std::string box_words(const Problem& problem, const Attempt& attempt) {
   const ContactProblem* const contact = problem.contact();
   const Errors& errors = attempt.judgement.errors;
   const bool fits = attempt.verdict == Verdict::kWrong && attempt.model == FrictionModel::kPyramid && errors.usable &&
-                    errors.measure() > errors.limit && contact != nullptr && cols(contact->D) > 0 && why_no_round_cone(*contact).empty() &&
+                    errors.measure() > errors.limit && contact != nullptr && !contact->has_rows() &&
+                    cols(contact->D) > 0 && why_no_round_cone(*contact).empty() &&
                     std::ranges::all_of(contact->edges, [](int edges) { return edges == 0 || edges == 4; });
   if (!fits) return "";
   const auto angles = [&](double angle) { return std::vector(contact->edges.size(), angle); };
@@ -176,6 +180,7 @@ std::string box_words(const Problem& problem, const Attempt& attempt) {
 
 /// Of a step whose contacts all part without an impulse, which an engine would have left alone.
 std::string parting_words(const ContactProblem& contact) {
+  if (contact.has_rows()) return "";
   double least = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < contact.nc(); ++i) {
     least = std::min(least, dot_column(contact.N, i, contact.v) + contact.offset(i));
@@ -248,9 +253,11 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
   return attempts;
 }
 
-Json attempt_json(const Json& problem, const Attempt& attempt) {
+/// @param states  of the problem's bounded rows; nullptr: it has none
+Json attempt_json(const Problem& problem, const Json& summary, const Attempt& attempt, BoundedRowStates* states) {
   const Answer& answer = attempt.timed.answer;
-  return {{"problem", problem},
+  const bool is_measured = states != nullptr && attempt.judgement.errors.usable;
+  return {{"problem", summary},
           {"solver", attempt.solver.name},
           {"settings", attempt.solver.settings},
           {"label", attempt.label},
@@ -263,7 +270,8 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"z", json_vector(answer.z, attempt.judgement.errors.usable)},
           {"velocity", json_vector(attempt.velocity)},
           {"impulses", to_string(answer.impulses)},
-          {"errors", errors_json(attempt.judgement.errors)},
+          {"rows", is_measured ? row_states_json(problem.contact()->rows, states->of(answer.z)) : Json()},
+          {"errors", errors_json(problem, attempt.judgement.errors)},
           {"time",
            {{"setup_s", json_number(attempt.timed.times.setup_cpu_s)},
             {"solve_s", json_number(attempt.timed.times.solve_cpu_s)},
@@ -290,7 +298,8 @@ void print_impulses(const Problem& problem, const Attempt& best) {
   const bool even = best.timed.answer.impulses == Impulses::kEven;
   const bool in_vain = !even && best.label == kAsksForEven;
   say_folded("other impulses may give the same motion; {} {}\n", best.label,
-             even      ? "shows those that equally stiff contacts would carry"
+             has_rows(problem) ? "shows those that it reached"
+             : even    ? "shows those that equally stiff contacts would carry"
              : in_vain ? "did not find those that equally stiff contacts would carry, and shows any"
                        : "shows those that it reached, auto{impulses=even} looks for those that equally stiff contacts "
                          "would carry");
@@ -311,12 +320,15 @@ void print_coarse_model(const Problem& problem, const std::string& file, const A
   if (problem.contact() == nullptr || best.verdict != Verdict::kSolved || best.model != FrictionModel::kPyramid) return;
   const double share = share_of_scale(*problem.contact(), error);
   if (!(share > kLargestShare)) return;
-  const std::string name = shell_word(file_argument(file));
+  const std::string ladder =
+      has_rows(problem) ? ""
+                        : fmt::format("lcpbench models {} compares the models, --max-velocity-error {:.1g} takes the "
+                                      "coarsest that suffices, ",
+                                      shell_word(file_argument(file)), kLargestShare * error / share);
   say_folded(
       "this pyramid of friction violates Coulomb's round cone by {:.3g} m/s, {:.2g} % of the largest speed at a "
-      "contact: lcpbench models {} compares the models, --max-velocity-error {:.1g} takes the coarsest that "
-      "suffices, --solver 'cone_ipm{{cone=true}}' solves the cone\n",
-      error, 100 * share, name, kLargestShare * error / share);
+      "contact: {}--solver 'cone_ipm{{cone=true}}' solves the cone\n",
+      error, 100 * share, ladder);
 }
 
 /// How a verified answer differs from hard contacts with Coulomb friction, in two parts.
@@ -428,10 +440,10 @@ void print_reasons(const std::vector<Attempt>& attempts, bool named) {
              counted_noun(left_out, "solver"));
 }
 
-void print_nearly(const std::vector<Attempt>& attempts) {
+void print_nearly(const Problem& problem, const std::vector<Attempt>& attempts) {
   const auto nearly = std::ranges::find(attempts, Truth::kNearly, &Attempt::truth);
   if (nearly == attempts.end()) return;
-  say_folded("nearly solvable: {}\n", nearly_words(nearly->least_violation_m_per_s));
+  say_folded("nearly solvable: {}\n", nearly_words(nearly->least_violation_m_per_s, has_rows(problem)));
 }
 
 /// How many solved it, which of them is the fastest, and whose claims are false.
@@ -454,6 +466,9 @@ constexpr const char* kTwoErrors =
     "solver's m/s: the residual of the conditions that the solver's model of friction has. model's m/s: the residual of "
     "the round Coulomb cone's conditions; it estimates the model's error on one step and ranks no answers: no impulse "
     "at all may have less.\n";
+
+constexpr const char* kTwoResiduals =
+    "contacts' m/s: the largest residual of the contacts. rows': that of the bounded rows, in the row's own unit.\n";
 
 /// @param rows  of attempt_json(), one for each attempt
 std::string attempts_table(const Problem& problem, const std::vector<Attempt>& attempts, const Json& rows) {
@@ -479,6 +494,17 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
         {{"solver's m/s", Align::kRight, 3}, field("errors/velocity_residual_m_per_s", format_error)});
     columns.push_back({{"model's m/s", Align::kRight, 2}, field("errors/model_error_m_per_s", format_error)});
   }
+  if (has_rows(problem)) {
+    columns.push_back(
+        {{"contacts' m/s", Align::kRight, 1}, field("errors/contact_residual_m_per_s", format_error)});
+    columns.push_back({{"rows'", Align::kRight, 1}, [](const Json& row) -> std::string {
+                         const Json& worst = row["errors"]["worst_bounded_row"];
+                         if (worst.is_null()) return row["errors"]["contact_residual_m_per_s"].is_null() ? "-" : "0";
+                         const Json& residual = worst["residual"];
+                         return (residual.is_null() ? "inf" : format_error(residual.get<double>())) + " " +
+                                worst["unit"].get<std::string>();
+                       }});
+  }
   columns.push_back({{contact ? "violation m/s" : "natural residual", Align::kRight, 4},
                      field(contact ? "errors/violation_m_per_s" : "errors/natural_residual", format_error)});
   columns.push_back({{"time"}, time});
@@ -494,7 +520,8 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
 Attempt answer_to_show(const Problem& problem, const std::vector<Attempt>& attempts, BoundedCertifier& certifier,
                        const SolveArguments& arguments) {
   const Attempt& best = attempts.front();
-  const Spec spec{"auto", problem.contact() != nullptr ? Options{{"impulses", "even"}} : Options{}};
+  const bool may_be_even = problem.contact() != nullptr && !has_rows(problem);  // equal compliance is of contacts alone
+  const Spec spec{"auto", may_be_even ? Options{{"impulses", "even"}} : Options{}};
   if (best.verdict != Verdict::kSolved || best.model != FrictionModel::kPyramid) return best;
   Judge judge(problem, certifier, arguments.solved_at);
   Attempt shown = attempt(problem, spec, *open_solver(spec), judge, arguments.time_limit_s, false);
@@ -529,8 +556,9 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   const std::string table = attempts_table(problem, attempts, rows);
   print_table(table);
   if (table.find("model's m/s") != std::string::npos) say_folded("{}", kTwoErrors);
+  if (table.find("rows'") != std::string::npos) say_folded("{}", kTwoResiduals);
   print_reasons(attempts, named);
-  print_nearly(attempts);
+  print_nearly(problem, attempts);
   if (shown != nullptr) print_solution(problem, file, *shown);
   print_conclusion(attempts);
   print_spread(problem, attempts);
@@ -571,8 +599,10 @@ int solve(const SolveArguments& arguments) {
     const ModelErrors errors =
         attempts.empty() ? ModelErrors() : model_errors(problem, attempts.front(), arguments.time_limit_s);
     const Json described_problem = problem_summary_json(problem, file);
+    std::optional<BoundedRowStates> states;
+    if (arguments.json && has_rows(problem)) states.emplace(*problem.contact());
     for (const Attempt& each : attempts) {
-      rows.push_back(attempt_json(described_problem, each));
+      rows.push_back(attempt_json(problem, described_problem, each, states ? &*states : nullptr));
       if (errors.relaxation) rows.back()["relaxation_m_per_s"] = json_number(errors.relaxation->m_per_s);
       if (errors.softness) rows.back()["softness_m_per_s"] = json_number(errors.softness->m_per_s);
     }

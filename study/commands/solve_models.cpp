@@ -101,12 +101,12 @@ Json climb_json(const LadderIsland& island, const Climb& climbed) {
           {"next_change_m_per_s", json_number(climbed.change_m_per_s)}};
 }
 
-Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_per_s) {
+Json mixture_json(const Problem& problem, const Json& summary, const Mixture& mixture, double error_m_per_s) {
   Json islands = Json::array();
   for (std::size_t i = 0; i < mixture.islands.size(); ++i) {
     islands.push_back(climb_json(mixture.islands[i], mixture.climbs[i]));
   }
-  return {{"problem", problem},
+  return {{"problem", summary},
           {"solver", "models"},
           {"settings", fmt::format("max_velocity_error={}", error_m_per_s)},
           {"model", "cone"},
@@ -114,7 +114,7 @@ Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_pe
           {"met", mixture.met},
           {"z", json_vector(mixture.answer.z)},
           {"velocity", json_vector(mixture.answer.velocity)},
-          {"errors", errors_json(mixture.errors)},
+          {"errors", errors_json(problem, mixture.errors)},
           {"time",
            {{"chosen_s", json_number(mixture.chosen_s)},
             {"spent_s", json_number(mixture.spent_s)},
@@ -183,7 +183,7 @@ int solve_by_models(const std::vector<std::string>& files, double error_m_per_s,
     if (*stop != 0) return;
     met = met && mixture.met;
     if (json) {
-      rows.push_back(mixture_json(problem_summary_json(problem, file), mixture, error_m_per_s));
+      rows.push_back(mixture_json(problem, problem_summary_json(problem, file), mixture, error_m_per_s));
     } else {
       say_folded("{}\n", problem_summary_text(problem, file));
       print_mixture(mixture, error_m_per_s);

@@ -19,10 +19,12 @@ Errors ContactEvaluation::errors(const Answer& answer, FrictionModel model) {
   } else if (!has_model) {
     for (double Errors::*const measure :
          {&Errors::natural_residual, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
-          &Errors::velocity_residual_relative, &Errors::cone_violation, &Errors::forward_velocity}) {
+          &Errors::velocity_residual_relative, &Errors::contact_residual_m_per_s, &Errors::cone_violation,
+          &Errors::forward_velocity}) {
       errors.*measure = Errors::kNone;
     }
     errors.worst = {};
+    errors.worst_bounded_row = {};
     errors.solved = false;
   } else if (model == FrictionModel::kConvex) {
     errors.optimum_distance = optimum_distance(answer.z);
@@ -45,6 +47,12 @@ bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
   errors.velocity_residual_m_per_s = to_double(worst.residual);
   errors.velocity_residual_relative = to_double(worst.relative);
   if (worst.row >= 0) errors.worst = describe(worst, model, point);
+  errors.contact_residual_m_per_s = to_double(worst.of_contacts);
+  if (const Index row = worst.bounded_row; row >= 0) {
+    const auto i = static_cast<std::size_t>(row);
+    errors.worst_bounded_row = {row - static_cast<Index>(lcp.first_bounded()),
+                                to_double(contact_.lcp->bounded_residual(i, z, w[i]))};
+  }
   errors.decide(kSolvedVelocityResidual);
   if (!contact_.inertia.well_defined() && !errors.solved) return false;
   if (contact_.cone) {
@@ -80,7 +88,7 @@ bool ContactEvaluation::measure(const Answer& answer, FrictionModel model, Error
 }
 
 WorstRow ContactEvaluation::describe(const ContactResidual::Worst& worst, FrictionModel model,
-                                     const ContactResidual::Point& point) const {
+                                     const ContactResidual::Point& point) {
   const ContactLayout& layout = contact_.lcp->layout();
   const auto row = static_cast<std::size_t>(worst.row);
   WorstRow worst_row{.row = worst.row,
@@ -88,7 +96,11 @@ WorstRow ContactEvaluation::describe(const ContactResidual::Worst& worst, Fricti
                      .w = to_double(point.w[row]),
                      .residual = to_double(worst.of_row),
                      .scale = to_double(worst.scale)};
-  if (worst.row < layout.lambda_offset() || worst.row >= layout.row_offset()) return worst_row;
+  if (worst.row >= layout.row_offset()) {
+    worst_row.in_own_unit = to_double(contact_.lcp->bounded_residual(row, point.z, point.w[row]));
+    return worst_row;
+  }
+  if (worst.row < layout.lambda_offset()) return worst_row;
   const Index contact = layout.cone_contact[static_cast<std::size_t>(worst.row - layout.lambda_offset())];
   if (model == FrictionModel::kPyramid) {
     const auto first = point.w.begin() + layout.friction_offset();

@@ -26,7 +26,7 @@ class ContactEvaluation {
  private:
   bool measure(const Answer& answer, FrictionModel model, Errors& errors);
   WorstRow describe(const ContactResidual::Worst& worst, FrictionModel model,
-                    const ContactResidual::Point& point) const;
+                    const ContactResidual::Point& point);
   double work_gain(const ContactResidual::Point& point) const;
   double forward_velocity(const QuadVector& velocity) const;
 

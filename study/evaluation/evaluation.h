@@ -25,6 +25,7 @@ struct WorstRow {
   double z = kNone;
   double w = kNone;
   double residual = kNone;  ///< [m/s]; contact problems only
+  double in_own_unit = kNone;  ///< of a bounded row: the residual in m/s or rad/s
   double scale = kNone;     ///< what the residual is relative to: of the island [m/s]; of a bare LCP of the row
   // Of a cone row: how its contact moves, and what it carries. But for the slip, of the cone and the convex model only.
   double slip = kNone;        ///< sliding speed, with offsets and compliance [m/s]
@@ -32,6 +33,12 @@ struct WorstRow {
   double normal = kNone;      ///< f_N [N s]
   double friction = kNone;    ///< |f_t| [N s]
   double opposing = kNone;    ///< cosine between friction and the opposite of the slip
+};
+
+/// The bounded row whose residual is largest, angles turned into m/s, and that residual.
+struct WorstBoundedRow {
+  Index row = -1;       ///< among the bounded rows; -1: there is none, or none is violated
+  double residual = 0;  ///< in its own unit [m/s, rad/s]
 };
 
 /// Where a returned velocity is furthest from the one that z implies.
@@ -80,6 +87,8 @@ struct Errors {
   /// Of a valid proof that came with an answer to a bare LCP: see lcpbench::proof_margin().
   double proof_margin = kNone;
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
+  double contact_residual_m_per_s = kNone;  ///< the largest residual of the contacts' rows; NaN as r
+  WorstBoundedRow worst_bounded_row;
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
   /// Not measured: 113 bits do not tell what G* is (see QuadInertia), or the friction directions name no round cone, by

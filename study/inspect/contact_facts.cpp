@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include "core/compliance.h"
+#include "core/entries.h"
 #include "core/quad_inertia.h"
+#include "core/selection.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/rigid_bodies.h"
 #include "study/inspect/spectra.h"
@@ -199,7 +201,7 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
   Json& facts = inspection.facts["contact"];
   facts["rank_N"] = rank_json(N, normals, kVisible);
   facts["rank_J"] = rank_json(J, scaled, kVisible);
-  ContactProblem without_offsets = problem;
+  ContactProblem without_offsets = select_rows(problem, {});
   without_offsets.offset_t.resize(0);
   facts["condition"] = json_number(response_condition(rigid_equivalent(without_offsets)));
   std::vector<Index> rigid;  // what yields along its normal depends on no other: M has its r_n on the diagonal
@@ -235,6 +237,42 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
   inspection.data(zero_directions > 0, "zero_directions", static_cast<double>(zero_directions),
                   fmt::format("columns of D that are zero: {}. Friction there does nothing", zero_directions));
   inspect_pairs(problem, N, unit_columns(normals), inspection);
+}
+
+/// Kinds of bounded rows, and equalities that depend on each other.
+void inspect_rows(const ContactProblem& problem, Inspection& inspection) {
+  const BoundedRows& rows = problem.rows;
+  if (!problem.has_rows()) return;
+  Index equalities = 0, one_bound = 0, two_bounds = 0, friction = 0, angles = 0, soft = 0;
+  std::vector<Index> rigid;  // equalities without compliance
+  for (Index row = 0; row < rows.size(); ++row) {
+    const int bounds = (std::isfinite(rows.bounds.lower(row)) ? 1 : 0) + (std::isfinite(rows.bounds.upper(row)) ? 1 : 0);
+    const bool is_friction = rows.bounds.friction_of[static_cast<std::size_t>(row)] >= 0;
+    Index& kind = is_friction ? friction : bounds == 0 ? equalities : bounds == 1 ? one_bound : two_bounds;
+    ++kind;
+    angles += rows.is_angle[static_cast<std::size_t>(row)] != 0 ? 1 : 0;
+    soft += rows.yields(row) > 0 ? 1 : 0;
+    if (!is_friction && bounds == 0 && !(rows.yields(row) > 0)) rigid.push_back(row);
+  }
+  Json& facts = inspection.facts["contact"];
+  facts["bounded_rows"] = {{"equalities", equalities}, {"one_bound", one_bound}, {"two_bounds", two_bounds},
+                           {"friction", friction},     {"angles", angles},       {"soft", soft}};
+  Index zero = 0;
+  for (Index row = 0; row < rows.size(); ++row) {
+    bool is_zero = true;
+    for_each_entry(rows.R, row, [&](Index, double entry) { is_zero = is_zero && entry == 0; });
+    zero += is_zero ? 1 : 0;
+  }
+  inspection.data(zero > 0, "zero_rows", static_cast<double>(zero),
+                  fmt::format("columns of R that are zero: {}. Such a bounded row moves nothing", zero));
+  const Index count = std::ssize(rigid);
+  if (problem.ngc() > kLargestDense || count > kLargestDense) return;
+  const Index rank = rank_of_doubles(to_dense(rows.R)(Eigen::all, rigid));
+  inspection.difficulty(rank < count, "redundant_equalities", static_cast<double>(count - rank),
+                        fmt::format("{} of {} rigid equalities depend on the others (their rank is {}): their impulses "
+                                    "are not unique, and where their offsets contradict each other there is no "
+                                    "solution",
+                                    count - rank, count, rank));
 }
 
 void inspect_friction(const ContactProblem& problem, Inspection& inspection) {
@@ -312,6 +350,7 @@ void inspect_contact(const ContactProblem& problem, const RigidScene* scene, Ins
     inspect_jacobian(problem, inspection);
   }
   inspect_friction(problem, inspection);
+  inspect_rows(problem, inspection);
 }
 
 }  // namespace lcpbench

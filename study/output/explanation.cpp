@@ -12,6 +12,7 @@
 #include "core/answer/contact_scale.h"
 #include "core/entries.h"
 #include "core/islands.h"
+#include "study/evaluation/bounded_row_states.h"
 
 namespace lcpbench {
 namespace {
@@ -74,7 +75,32 @@ std::string convex_words(const WorstRow& at, double slack, double mu) {
   return slip_words(at, slack);
 }
 
-/// The contact of a row and what is wrong there.
+/// What is wrong at a bounded row.
+std::string row_state(const BoundedRows& rows, Index row, const JudgedAnswer& answer) {
+  const WorstRow& at = answer.errors.worst;
+  const char* const unit = impulse_unit(rows, row);
+  const Vector impulses = answer.z != nullptr ? Vector(answer.z->tail(rows.size())) : Vector::Zero(rows.size());
+  const auto [lower, upper] = bounds_of(rows, row, impulses);
+  if (at.z < lower) return fmt::format("has an impulse of {:.3g} {}, below its lower bound of {:.3g}", at.z, unit, lower);
+  if (at.z > upper) return fmt::format("has an impulse of {:.3g} {}, above its upper bound of {:.3g}", at.z, unit, upper);
+  const std::string moves = fmt::format("moves at w = {:.3g} {}", at.w, velocity_unit(rows, row));
+  const bool is_up = at.w > 0;  // which asks for an impulse at the lower bound
+  const char* const name = is_up ? "lower" : "upper";
+  const double bound = is_up ? lower : upper;
+  if (!std::isfinite(bound)) return fmt::format("{}, although its impulse has no {} bound", moves, name);
+  return fmt::format("{}, although its impulse of {:.3g} {} is {} its {} bound of {:.3g}", moves, at.z, unit,
+                     is_up ? "above" : "below", name, bound);
+}
+
+/// "row 2 (hinge) moves at w = 0.1 rad/s, although its impulse has no lower bound".
+std::string bounded_row_words(const BoundedRows& rows, Index row, const JudgedAnswer& answer) {
+  const std::string words = fmt::format("bounded {} {}", rows.name_of(row), row_state(rows, row, answer));
+  if (rows.is_angle[static_cast<std::size_t>(row)] == 0) return words;
+  return fmt::format("{}; its residual of {:.3g} rad/s counts as {:.3g} m/s", words, answer.errors.worst.in_own_unit,
+                     answer.errors.worst.residual);
+}
+
+/// The contact of a row, or the bounded row, and what is wrong there.
 std::string contact_state(const ContactProblem& of, const JudgedAnswer& answer, bool negative_z, bool negative_w) {
   const WorstRow& at = answer.errors.worst;
   const auto words = [&](Index contact) {
@@ -83,6 +109,7 @@ std::string contact_state(const ContactProblem& of, const JudgedAnswer& answer, 
     return names.empty() ? number : fmt::format("{} ({})", number, names[static_cast<std::size_t>(contact)]);
   };
   const ContactLayout layout = contact_layout(of);
+  if (at.row >= layout.row_offset()) return bounded_row_words(of.rows, at.row - layout.row_offset(), answer);
   if (at.row < of.nc()) {
     const std::string name = words(at.row);
     const NormalRow row{at.z, at.w, of.offset(at.row), name.find("(limit of ") != std::string::npos};
@@ -124,7 +151,7 @@ double scale_floor(const ContactProblem& problem, Index row) {
   const RowIslands islands = row_islands(problem);
   const auto island = [&](Index of) { return islands.of_row[static_cast<std::size_t>(of)]; };
   ContactScale<double> scale;
-  const auto add_rows = [&](const Jacobian& J, Index count, Index first) {
+  const auto add_rows = [&](const Jacobian& J, Index count, Index first, const auto& lever) {
     for (Index j = 0; j < count; ++j) {
       if (island(first + j) != island(row)) continue;
       double velocity = 0, terms = 0, entries = 0;
@@ -133,12 +160,18 @@ double scale_floor(const ContactProblem& problem, Index row) {
         terms += std::abs(entry * problem.v(i));
         entries += entry != 0 ? 1 : 0;
       });
-      scale.add_row(velocity, terms, entries);
+      scale.add_row(lever(first + j) * velocity, lever(first + j) * terms, entries);
     }
   };
+  const auto one = [](Index) { return 1.0; };
   const ContactLayout layout = contact_layout(problem);
-  add_rows(problem.N, layout.nc, 0);
-  add_rows(problem.D, layout.lambda_offset() - layout.friction_offset(), layout.friction_offset());
+  add_rows(problem.N, layout.nc, 0, one);
+  add_rows(problem.D, layout.lambda_offset() - layout.friction_offset(), layout.friction_offset(), one);
+  if (problem.has_rows()) {
+    ContactResidual residual(problem);
+    add_rows(problem.rows.R, layout.rows, layout.row_offset(),
+             [&](Index of) { return residual.lcp ? to_double(residual.lcp->lever(static_cast<std::size_t>(of))) : 1.0; });
+  }
   return scale.floor();
 }
 
@@ -256,13 +289,15 @@ Json problem_summary_json(const Problem& problem, const std::string& unnamed) {
           {"n", problem.size()},
           {"ngc", contact != nullptr ? Json(contact->ngc()) : Json()},
           {"nc", contact != nullptr ? Json(contact->nc()) : Json()},
-          {"edges", contact != nullptr ? Json(contact->edges) : Json()}};
+          {"edges", contact != nullptr ? Json(contact->edges) : Json()},
+          {"rows", contact != nullptr ? Json(contact->rows.size()) : Json()}};
 }
 
-std::string nearly_words(double least_violation_m_per_s) {
+std::string nearly_words(double least_violation_m_per_s, bool has_rows) {
   std::string words = "proven to have no exact solution, but within the tolerance of one";
   if (!std::isnan(least_violation_m_per_s)) {
-    words += fmt::format("; every answer violates some contact by at least {:.3g} m/s", least_violation_m_per_s);
+    words += fmt::format("; every answer violates some contact{} by at least {:.3g} m/s{}",
+                         has_rows ? " or bounded row" : "", least_violation_m_per_s, has_rows ? " or rad/s" : "");
   }
   return words;
 }

@@ -10,8 +10,8 @@
 
 namespace lcpbench {
 
-/// {"name", "kind", "n", "ngc", "nc", "edges"}, as every document about single problems has it: the last three null for
-/// a bare LCP. A problem without a name is called `unnamed`.
+/// {"name", "kind", "n", "ngc", "nc", "edges", "rows"}, as every document about single problems has it: the last four
+/// null for a bare LCP. A problem without a name is called `unnamed`.
 Json problem_summary_json(const Problem& problem, const std::string& unnamed);
 
 /// Why an answer to a problem of n unknowns has no errors, in one clause; "" when its z is finite and has n entries.
@@ -20,7 +20,8 @@ std::string why_without_errors(const Answer& answer, Index n);
 
 /// What Truth::kNearly says of a problem: "proven to have no exact solution, but ...".
 /// @param least_violation_m_per_s  by which every answer violates some contact; NaN: not known
-std::string nearly_words(double least_violation_m_per_s);
+/// @param has_rows  the problem has bounded rows, which may be violated instead, angles in rad/s
+std::string nearly_words(double least_violation_m_per_s, bool has_rows = false);
 /// A note on the captured answers of an engine that by design softens contacts, corrects penetration or stops early;
 /// "" for any other engine. @param engine  as scenes files and sets name it, in any case: "ODE", "mujoco", "ode-auto"
 std::string soft_engine_words(std::string engine);

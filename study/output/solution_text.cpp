@@ -46,6 +46,38 @@ std::string number(double value, double scale) {
   return fmt::format("{:.4g}", std::abs(value) <= 1e-12 * scale ? 0.0 : value);
 }
 
+/// "-0.2 to 0.2", "none" for an equality.
+std::string bounds_text(const BoundedRowState& state) {
+  const auto bound = [](double x) { return std::isinf(x) ? std::string("any") : fmt::format("{:.4g}", x); };
+  if (std::isinf(state.lower) && std::isinf(state.upper)) return "none";
+  return bound(state.lower) + " to " + bound(state.upper);
+}
+
+std::string rows_text(const ContactProblem& contact, const std::string& title, const Vector& z, int width) {
+  using Align = TextTable::Align;
+  TextTable table({{"row", Align::kLeft, 0, 8}, {"bounds"}, {"impulse"}, {"velocity w"}, {"state", Align::kLeft}});
+  const std::vector<BoundedRowState> states = BoundedRowStates(contact).of(z);
+  const BoundedRows& rows = contact.rows;
+  double largest = 0, fastest = 0;
+  for (const BoundedRowState& state : states) {
+    largest = std::max(largest, std::abs(state.impulse));
+    fastest = std::max(fastest, std::abs(state.velocity));
+  }
+  fastest = std::max({fastest, fastest_contact(contact, contact.v).m_per_s, contact.v.cwiseAbs().maxCoeff()});
+  for (Index row = 0; row < std::min(rows.size(), kMostContacts); ++row) {
+    const BoundedRowState& state = states[static_cast<std::size_t>(row)];
+    const auto at = static_cast<std::size_t>(row);
+    table.add_row({at < rows.names.size() ? fmt::format("{} {}", row, rows.names[at]) : std::to_string(row),
+                   bounds_text(state), fmt::format("{} {}", number(state.impulse, largest), impulse_unit(rows, row)),
+                   fmt::format("{} {}", number(state.velocity, fastest), velocity_unit(rows, row)),
+                   to_string(state.at)});
+  }
+  if (rows.size() > kMostContacts) {
+    table.add_line(fmt::format("and {} more bounded rows: --format json has all", rows.size() - kMostContacts));
+  }
+  return folded(fmt::format("bounded rows ({}):\n", title), width) + table.text(width);
+}
+
 }  // namespace
 
 std::string solution_text(const Problem& problem, const std::string& title, const Vector& z, const Vector& velocity,
@@ -55,7 +87,9 @@ std::string solution_text(const Problem& problem, const std::string& title, cons
     if (z.size() > kMostUnknowns) return "";
     return folded(fmt::format("z ({}): {:.6g}\n", title, fmt::join(Vector(z.array() + 0.0), " ")), width);  // no -0
   }
-  if (velocity.size() != contact->ngc() || contact->nc() == 0) return "";
+  if (velocity.size() != contact->ngc()) return "";
+  const std::string rows = contact->has_rows() ? rows_text(*contact, title, z, width) : "";
+  if (contact->nc() == 0) return rows;
   const ContactLayout layout = contact_layout(*contact);
   const bool is_cone = why_no_round_cone(*contact).empty();
   using Align = TextTable::Align;
@@ -86,7 +120,23 @@ std::string solution_text(const Problem& problem, const std::string& title, cons
   if (layout.nc > kMostContacts) {
     table.add_line(fmt::format("and {} more contacts: --format json has all", layout.nc - kMostContacts));
   }
-  return folded(fmt::format("contacts ({}):\n", title), width) + table.text(width);
+  return folded(fmt::format("contacts ({}):\n", title), width) + table.text(width) + rows;
+}
+
+Json row_states_json(const BoundedRows& rows, const std::vector<BoundedRowState>& states) {
+  Json array = Json::array();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const BoundedRowState& state = states[i];
+    array.push_back({{"row", i},
+                     {"name", i < rows.names.size() ? Json(rows.names[i]) : Json()},
+                     {"unit", rows.is_angle[i] != 0 ? "rad" : "m"},
+                     {"lower", json_number(state.lower)},
+                     {"upper", json_number(state.upper)},
+                     {"impulse", json_number(state.impulse)},
+                     {"velocity", json_number(state.velocity)},
+                     {"state", to_string(state.at)}});
+  }
+  return array;
 }
 
 bool may_have_other_impulses(const ContactProblem& contact, const Vector& velocity) {
@@ -106,6 +156,17 @@ bool may_have_other_impulses(const ContactProblem& contact, const Vector& veloci
     if (contact.mu(i) > 0 && !(contact.tangential_compliance(i) > 0)) {
       for (Index k = 0; k < std::min<Index>(edges / 2, 2); ++k) add(contact.D, begin + (k == 0 ? 0 : edges / 4));
     }
+    if (static_cast<Index>(columns.size()) > std::min(contact.ngc(), kLargestRanked)) return true;
+  }
+  double resting = touching;  // of a row that may move
+  for (Index row = 0; row < layout.rows; ++row) {
+    resting = std::max(resting, 1e-3 * std::abs(dot_column(contact.rows.R, row, contact.v) + contact.rows.offset(row)));
+  }
+  for (Index row = 0; row < layout.rows; ++row) {
+    if (contact.rows.yields(row) > 0) continue;
+    const double w = dot_column(contact.rows.R, row, velocity) + contact.rows.offset(row);
+    if (!contact.rows.bounds.is_free(row) && std::abs(w) > resting) continue;
+    add(contact.rows.R, row);
     if (static_cast<Index>(columns.size()) > std::min(contact.ngc(), kLargestRanked)) return true;
   }
   if (columns.empty()) return false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace lcpbench {
 namespace {
@@ -131,14 +132,25 @@ void Draft::collect(RigidScene& scene) {
 void Draft::collect(ContactProblem& contact) {
   groups_.resize(5);
   add_all(groups_[0], contact.b);
+  add_all(groups_[0], contact.rows.b);
   add_all(groups_[0], contact.offset_t);
   add_all(groups_[1], contact.v);
   add_all(groups_[2], contact.mu);
   add_all(groups_[2], contact.compliance_n);
   add_all(groups_[2], contact.compliance_t);
+  add_all(groups_[2], contact.rows.bounds.mu);
+  add_all(groups_[2], contact.rows.compliance);
   add_directions(groups_[3], contact);
   add_jacobian(groups_[4], contact.N);
+  add_jacobian(groups_[4], contact.rows.R);
   add_inertia(groups_, contact.inertia);
+  if (!contact.has_rows()) return;
+  groups_.emplace_back();
+  for (Vector* bounds : {&contact.rows.bounds.lower, &contact.rows.bounds.upper}) {
+    for (double& bound : *bounds) {
+      if (std::isfinite(bound)) add(groups_.back(), bound);
+    }
+  }
 }
 
 void Draft::collect(Lcp& lcp) {

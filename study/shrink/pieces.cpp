@@ -52,6 +52,20 @@ Problem with_contacts(const Problem& problem, const std::vector<Index>& kept) {
   return {problem.name(), Lcp{lcp.M(kept, kept), lcp.q(kept), lcp.bounds.of_rows(kept)}};
 }
 
+Index row_count(const Problem& problem) {
+  return problem.contact() != nullptr ? problem.contact()->rows.size() : 0;
+}
+
+Problem with_rows(const Problem& problem, const std::vector<Index>& kept) {
+  const std::vector<int>& friction_of = problem.contact()->rows.bounds.friction_of;
+  std::vector<Index> borne;
+  for (const Index row : kept) {
+    const int of = friction_of[static_cast<std::size_t>(row)];
+    if (of < 0 || is_kept(kept, of)) borne.push_back(row);
+  }
+  return renewed(problem, select_rows(*problem.contact(), borne));
+}
+
 Index body_count(const Problem& problem) {
   if (problem.scene() != nullptr) return static_cast<Index>(problem.scene()->bodies.size());
   return problem.contact() != nullptr ? problem.contact()->ngc() : 0;

@@ -13,6 +13,11 @@ namespace lcpbench {
 Index contact_count(const Problem& problem);
 Problem with_contacts(const Problem& problem, const std::vector<Index>& kept);
 
+/// Bounded rows of a contact problem.
+Index row_count(const Problem& problem);
+/// Friction goes with the row that bears it.
+Problem with_rows(const Problem& problem, const std::vector<Index>& kept);
+
 /// Bodies of a scene; coordinates of a contact problem. A bare LCP has neither.
 Index body_count(const Problem& problem);
 /// The others do not move any more: they become parts of the world, and a contact within the world is left out.

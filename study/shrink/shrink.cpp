@@ -21,12 +21,12 @@ namespace {
 /// In turn, for numbers of up to 17.
 constexpr int kDigits[] = {1, 2, 3, 4, 6, 9, 12};
 
-/// Columns of N and D without an entry that is not zero, which `inspect` doubts; 0 for a bare LCP.
+/// Columns of N, D and R without an entry that is not zero, which `inspect` doubts; 0 for a bare LCP.
 Index zero_columns(const Problem& problem) {
   const ContactProblem* const contact = problem.contact();
   if (contact == nullptr) return 0;
   Index count = 0;
-  for (const Jacobian* const J : {&contact->N, &contact->D}) {
+  for (const Jacobian* const J : {&contact->N, &contact->D, &contact->rows.R}) {
     for (Index column = 0; column < cols(*J); ++column) {
       bool zero = true;
       for_each_entry(*J, column, [&](Index, double) { zero = false; });
@@ -46,6 +46,7 @@ class Shrinker {
     do {
       before = problem_hash(best_);
       leave_out_contacts();
+      leave_out_rows();
       leave_out_bodies();
       leave_out_factors();
       leave_out_friction();
@@ -85,6 +86,9 @@ class Shrinker {
     minimal_subset(units, [&](const std::vector<Index>& kept) { return take([&] { return part(whole, kept); }); });
   }
   void leave_out_contacts() { keep_fewest(all_indices(contact_count(best_)), with_contacts); }
+  void leave_out_rows() {
+    if (row_count(best_) > 0) keep_fewest(all_indices(row_count(best_)), with_rows);
+  }
   void leave_out_bodies() { keep_fewest(all_indices(body_count(best_)), with_bodies); }
 
   void leave_out_factors() {
@@ -192,6 +196,7 @@ class Shrinker {
 ProblemSize problem_size(const Problem& problem) {
   ProblemSize size;
   size.contacts = contact_count(problem);
+  size.rows = row_count(problem);
   size.bodies = body_count(problem);
   if (problem.contact() != nullptr) size.friction_edges = cols(problem.contact()->D);
   const Draft draft(problem);

@@ -11,6 +11,7 @@ namespace lcpbench {
 /// How large a problem is, and how long its numbers are.
 struct ProblemSize {
   Index contacts = 0;  ///< of a bare LCP: rows
+  Index rows = 0;      ///< bounded rows of a contact problem
   Index bodies = 0;    ///< of a contact problem: coordinates; of a bare LCP 0
   Index friction_edges = 0;
   Index numbers = 0;  ///< that are not zero, without the normals and tangents of a scene
@@ -32,13 +33,13 @@ struct Shrunk {
   bool complete = false;  ///< nothing more can be left out or made rounder; false: time or `stop` ended it
 };
 
-/// Looks for the smallest problem of the same kind that still fails: delta debugging over contacts, bodies (or
+/// Looks for the smallest problem of the same kind that still fails: delta debugging over contacts, bounded rows, bodies (or
 /// coordinates), factors of the inertia, frictional contacts and friction edges; then rounder numbers; all of it again
 /// until nothing changes.
 ///
 /// Every problem tried has been written as a problem file's text and read again, so that what fails is what the file
 /// holds. One that no problem file may hold (an inertia that is not positive definite, ...) counts as one that does
-/// not fail, and so does one with more columns of N and D that are zero. Without the end of the budget the result is a
+/// not fail, and so does one with more columns of N, D and R that are zero. Without the end of the budget the result is a
 /// function of the problem and of `fails`.
 /// @pre start, read from a problem file, fails
 Shrunk shrink(const Problem& start, const std::function<bool(const Problem&)>& fails, const ShrinkOptions& options);

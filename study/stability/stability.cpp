@@ -101,8 +101,9 @@ class Experiment {
     if (before.empty()) return false;
     const auto proves_solvable = [](const Judged& row) { return row.solved() && row.is_evidence(); };
     if (std::any_of(before.begin(), before.end(), proves_solvable)) known.add(Evidence::kSolvedAnswer);
-    const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
-    const bool unique = solvable_nearby && !frictional;
+    const ContactProblem* const contact = problem.contact();
+    const bool may_differ = contact != nullptr && (contact->frictional() || contact->has_rows());
+    const bool unique = solvable_nearby && !may_differ;
     const PhysicalAnswers physical(problem);
     const double condition = unique ? physical.condition() : 0;
     std::vector<std::pair<StabilityCell*, Fate>> entries;

@@ -11,7 +11,8 @@ namespace lcpbench {
 
 bool VelocityAgreement::applies(const Problem& problem, bool definite) {
   const ContactProblem* contact = problem.contact();
-  if (contact == nullptr || !definite || contact->frictional() || contact->ngc() == 0 || contact->ngc() > kLargest) {
+  if (contact == nullptr || !definite || contact->frictional() || contact->has_rows() || contact->ngc() == 0 ||
+      contact->ngc() > kLargest) {
     return false;
   }
   // If all contacts yield, `definite` says nothing of the inertia. Soft contacts are compared only where G is given.

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "study/evaluation/bounded_row_states.h"
 #include "study/output/json_output.h"
 #include "study/output/text_table.h"
 #include "study/view/contact_numbers.h"
@@ -137,6 +138,29 @@ Json body_velocities(const SceneStep& step, const Vector& velocity) {
   return array;
 }
 
+/// Name and unit of each bounded row.
+Json bounded_rows_json(const BoundedRows& rows) {
+  Json array = Json::array();
+  for (Index row = 0; row < rows.size(); ++row) {
+    array.push_back({{"name", rows.name_of(row)}, {"unit", velocity_unit(rows, row)}});
+  }
+  return array;
+}
+
+/// How an answer leaves each bounded row; no bound is null.
+Json row_answers_json(const ContactProblem& problem, const Vector& z) {
+  Json array = Json::array();
+  if (!problem.has_rows()) return array;
+  for (const BoundedRowState& state : BoundedRowStates(problem).of(z)) {
+    array.push_back({{"lower", view_number(state.lower)},
+                     {"upper", view_number(state.upper)},
+                     {"impulse", view_number(state.impulse)},
+                     {"velocity", view_number(state.velocity)},
+                     {"state", to_string(state.at)}});
+  }
+  return array;
+}
+
 Json answer_json(const SceneStep& step, const ViewedAnswer& answer) {
   const Errors& errors = answer.errors;
   Json json = {{"solver", answer.solver},
@@ -150,7 +174,8 @@ Json answer_json(const SceneStep& step, const ViewedAnswer& answer) {
                {"impulses", Json::array()},
                {"velocities", Json::array()},
                {"residuals", Json::array()},
-               {"body_velocities", Json::array()}};
+               {"body_velocities", Json::array()},
+               {"rows", Json::array()}};
   const ContactProblem& problem = *step.problem.contact();
   if (answer.z.size() != lcp_size(problem) || !answer.z.allFinite()) return json;
   const Vector velocity = post_impact_velocity(problem, answer.z);
@@ -158,6 +183,7 @@ Json answer_json(const SceneStep& step, const ViewedAnswer& answer) {
   json["velocities"] = rows_json(contact_velocities(problem, velocity));
   json["residuals"] = view_row(contact_residuals(problem, answer.z, answer.model));
   json["body_velocities"] = body_velocities(step, velocity);
+  json["rows"] = row_answers_json(problem, answer.z);
   return json;
 }
 
@@ -190,6 +216,7 @@ Json step_view(const ScenesHeader& header, const SceneStep& step, const std::str
           {"poses", picture.poses},
           {"bodies", {{"positions", positions}, {"velocities_before", body_velocities(step, problem.v)}}},
           {"contacts", contacts},
+          {"rows", bounded_rows_json(problem.rows)},
           {"answers", answered}};
 }
 

@@ -15,10 +15,12 @@ struct Known {
   Truth truth;
 };
 
-ExactTruth truth_of(const std::string& kind, const Known& known) {
-  return exact_truth(parse_problem_json(
-      R"({"format":"lcpbench-problem","version":1,"name":"x","kind":")" + kind + "\"," + known.data + "}", "test"));
+Problem problem_of(const std::string& kind, const std::string& data) {
+  return parse_problem_json(
+      R"({"format":"lcpbench-problem","version":1,"name":"x","kind":")" + kind + "\"," + data + "}", "test");
 }
+
+ExactTruth truth_of(const std::string& kind, const Known& known) { return exact_truth(problem_of(kind, known.data)); }
 
 TEST(AttackTest, KnowsTheTruthOfBareLcps) {
   for (const Known& known : {
@@ -81,6 +83,60 @@ TEST(AttackTest, KnowsTheTruthOfContacts) {
        }) {
     EXPECT_EQ(truth_of("contact", known).truth, known.truth) << known.data;
   }
+}
+
+/// A point of mass 1, and a wall that it may not approach by less than `offset`.
+std::string on_a_line(const std::string& rows, const std::string& offset = "0") {
+  return R"("v":[0],"N":[[1]],"G":[[1]],"b":[)" + offset + R"(],"rows":{)" + rows + "}";
+}
+
+TEST(AttackTest, KnowsTheTruthOfBoundedRows) {
+  const std::string equal = R"("R":[[1,1]],"lower":[null,null],"upper":[null,null])";
+  const std::string limits = R"("R":[[1,1]],"lower":[0,null],"upper":[null,0])";  // v+ >= -b_0, v+ <= -b_1
+  const std::string loaded = R"("R":[[1,1]],"lower":[0,null],"upper":[null,null],"friction_of":[null,0],)";
+  for (const auto& [data, truth] : {
+           std::pair{on_a_line(equal + R"(,"b":[-1,-1])"), Truth::kSolvable},
+           {on_a_line(equal + R"(,"b":[-1,-0.9999999999999998])"), Truth::kUnsolvable},
+           {on_a_line(equal + R"(,"b":[-1,-0.9999999999999998],"compliance":[0,5e-324])"), Truth::kSolvable},
+           {on_a_line(equal + R"(,"b":[1,1])"), Truth::kUnsolvable},  // against the wall
+           {on_a_line(equal + R"(,"b":[1,1])", "1"), Truth::kSolvable},
+           {on_a_line(limits + R"(,"b":[-2,-2])"), Truth::kSolvable},
+           {on_a_line(limits + R"(,"b":[-2,-1])"), Truth::kUnsolvable},
+           {on_a_line(R"("R":[[1,1]],"lower":[0,null],"upper":[null,8],"b":[-2,-1])"), Truth::kUnsolvable},
+           {on_a_line(R"("R":[[1,1]],"lower":[0,-8],"upper":[null,8],"b":[-2,-1])"), Truth::kSolvable},
+           // What moves nothing: an equality, a limit, and a motor.
+           {on_a_line(R"("R":[[0]],"lower":[null],"upper":[null],"b":[1])"), Truth::kUnsolvable},
+           {on_a_line(R"("R":[[0]],"lower":[null],"upper":[0],"b":[1])"), Truth::kUnsolvable},
+           {on_a_line(R"("R":[[0]],"lower":[0],"upper":[null],"b":[1])"), Truth::kSolvable},
+           {on_a_line(R"("R":[[0]],"lower":[-1],"upper":[null],"b":[-1])"), Truth::kUnsolvable},
+           {on_a_line(R"("R":[[0]],"lower":[-1],"upper":[1],"b":[-1])"), Truth::kSolvable},
+           // f_0 - f_1 = 2 leaves w_1 = 2: friction holds back at its limit, mu f_0, for which mu has to be below 1.
+           {on_a_line(loaded + R"("mu":[null,0.5],"b":[-2,0])"), Truth::kSolvable},
+           {on_a_line(loaded + R"("mu":[null,1],"b":[-2,0])"), Truth::kUnsolvable},
+       }) {
+    EXPECT_EQ(truth_of("contact", {data.c_str(), truth}).truth, truth) << data;
+  }
+}
+
+TEST(AttackTest, KnowsWhatProvesThatBoundedRowsHaveNoSolution) {
+  const auto proves = [](const std::string& rows, const Vector& u, const char* offset = "8") {
+    return disproves(problem_of("contact", on_a_line(rows, offset)), u);
+  };
+  const std::string equal = R"("R":[[1,1]],"lower":[null,null],"upper":[null,null],"b":[0,1])";
+  EXPECT_TRUE(proves(equal, Vector{{0, 1, -1}}));
+  EXPECT_FALSE(proves(equal, Vector{{0, -1, 1}}));  // the wrong way
+  EXPECT_FALSE(proves(equal, Vector{{0, 1, -1 + 0x1p-53}}));  // moves something
+  EXPECT_FALSE(proves(equal, Vector{{1, -1}}));
+  EXPECT_FALSE(proves(equal + R"(,"compliance":[1,0])", Vector{{0, 1, -1}}));
+  EXPECT_TRUE(proves(equal, Vector{{1, -1, 0}}, "-1"));  // against the wall
+  EXPECT_FALSE(proves(equal, Vector{{-1, 1, 0}}));
+  const std::string limits = R"("R":[[1,1]],"b":[-2,-1],)";  // v+ >= 2, v+ <= 1
+  EXPECT_TRUE(proves(limits + R"("lower":[0,null],"upper":[null,0])", Vector{{0, 1, -1}}));
+  EXPECT_TRUE(proves(limits + R"("lower":[-3,null],"upper":[null,4])", Vector{{0, 1, -1}}));
+  EXPECT_FALSE(proves(limits + R"("lower":[null,null],"upper":[0,null])", Vector{{0, 1, -1}}));
+  EXPECT_FALSE(proves(limits + R"("lower":[0,-9],"upper":[null,0])", Vector{{0, 1, -1}}));
+  EXPECT_FALSE(proves(limits + R"("lower":[0,null],"upper":[null,null],"friction_of":[null,0],"mu":[null,1])",
+                      Vector{{0, 1, -1}}));
 }
 
 // Small integers leave no doubt: an exact solution, rounded, passes in exact arithmetic and as a mixed LCP in double.

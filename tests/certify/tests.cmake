@@ -9,6 +9,7 @@ lcpbench_test(certify)
 lcpbench_test(convex_model)
 lcpbench_test(compliance)
 lcpbench_test(offset)
+lcpbench_test(certify_rows)
 lcpbench_test(certify_paper SLOW APART OPTIMIZED
   LINK lcpbench_certificates lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list
   DEFINE ${check_certificates})

@@ -154,6 +154,93 @@ TEST_F(CaptureTest, RowsBecomePyramids) {
   }
 }
 
+TEST_F(CaptureTest, BoundedRowsStandBesideContacts) {
+  const double G[4] = {2, 0, 0, 3}, v[2] = {1, -1}, both[2] = {1, -0.5}, one[1] = {1};
+  const int all[2] = {0, 1}, first[1] = {0}, second[1] = {1};
+  lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "arm", "engine", "1", 0.01);
+  for (const int step : {0, 1, 2}) {
+    lcpbench_capture_step(capture, step, 0);
+    lcpbench_capture_block(capture, 2, G, v);
+    if (step < 2) lcpbench_capture_rows(capture, 1, second, one, one, nullptr, 0.5, 2, 0, nullptr);
+    EXPECT_EQ(lcpbench_capture_row(capture, 2, all, both, -INFINITY, INFINITY, 0.25, 1e-3, "m", "rod"), 0);
+    EXPECT_EQ(lcpbench_capture_row(capture, 1, first, one, 0, 1e300, 0, 0, "rad", nullptr), 1);
+    EXPECT_EQ(lcpbench_capture_row(capture, 1, first, one, -1, 0.1, 0, 0, nullptr, "screw \"a\""), 2);
+    lcpbench_capture_row_friction(capture, 1, 0.3);
+    if (step < 2) lcpbench_capture_impulse(capture, 0, 1, 0.5, 0);
+    for (int row = 0; row < (step == 1 ? 2 : 3); ++row) lcpbench_capture_row_impulse(capture, row, 0.1 * row);
+    lcpbench_capture_end_step(capture);
+  }
+  EXPECT_EQ(lcpbench_capture_close(capture), 0);
+
+  const ScenesFile scenes(file_.string());
+  const SceneStep step = scenes.read(0);
+  const BoundedRows& rows = step.problem.contact()->rows;
+  EXPECT_EQ(to_dense(rows.R), (Matrix{{1, 1, 1}, {-0.5, 0, 0}}));
+  EXPECT_EQ(rows.bounds.lower, (Vector{{-INFINITY, 0, -INFINITY}}));
+  EXPECT_EQ(rows.bounds.upper, (Vector{{INFINITY, INFINITY, INFINITY}}));
+  EXPECT_EQ(rows.bounds.friction_of, (std::vector<int>{-1, -1, 1}));
+  EXPECT_EQ(rows.bounds.mu, (Vector{{0, 0, 0.3}}));
+  EXPECT_EQ(rows.b, (Vector{{0.25, 0, 0}}));
+  EXPECT_EQ(rows.compliance, (Vector{{1e-3, 0, 0}}));
+  EXPECT_EQ(rows.is_angle, (std::vector<char>{0, 1, 0}));
+  EXPECT_EQ(rows.names, (std::vector<std::string>{"rod", "", "screw \"a\""}));
+  EXPECT_EQ(step.engine_impulses, (Vector{{1, 0.5, 0, 0, 0.1, 0.2}}));
+  EXPECT_EQ(scenes.read(1).engine_impulses.size(), 0) << "a row has none";
+  EXPECT_EQ(scenes.read(2).engine_impulses, (Vector{{0, 0.1, 0.2}})) << "rows alone";
+}
+
+TEST_F(CaptureTest, WrongBoundedRowsAreTold) {
+  const double one = 1, nan = std::nan("");
+  const int zero = 0, beyond = 1;
+  const auto told = [&](auto&& give) {
+    lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "mistakes", "engine", "1", 0.01);
+    lcpbench_capture_step(capture, 7, 0);
+    lcpbench_capture_block(capture, 1, &one, &one);
+    ::testing::internal::CaptureStderr();
+    give(capture);
+    lcpbench_capture_end_step(capture);
+    EXPECT_NE(lcpbench_capture_close(capture), 0);
+    EXPECT_EQ(ScenesFile(file_.string()).count(), 0u);
+    const std::string text = ::testing::internal::GetCapturedStderr();
+    return text.substr(0, text.find('\n'));
+  };
+  const auto row = [&](lcpbench_capture* c, double lower, double upper, double b = 0, double compliance = 0,
+                       const char* unit = "m") {
+    lcpbench_capture_row(c, 1, &zero, &one, lower, upper, b, compliance, unit, nullptr);
+  };
+  const std::string step = "lcpbench_capture: step 7: ", bounds = "needs lower <= 0 <= upper, not both 0";
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1), row(c, 0, 0); }), step + "rows[1]: " + bounds);
+  EXPECT_EQ(told([&](auto* c) { row(c, 1, 2); }), step + "rows[0]: " + bounds);
+  EXPECT_EQ(told([&](auto* c) { row(c, -1, nan); }), step + "rows[0]: " + bounds);
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1, nan); }), step + "rows[0]: b is not finite");
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1, 0, -1); }), step + "rows[0]: compliance is no number >= 0");
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1, 0, HUGE_VAL); }), step + "rows[0]: compliance is no number >= 0");
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1, 0, 0, "deg"); }), step + "rows[0]: unit is neither m nor rad");
+  EXPECT_EQ(told([&](auto* c) { lcpbench_capture_row(c, 1, &zero, &nan, 0, 1, 0, 0, "m", "a"); }),
+            step + "rows[0].direction is not finite");
+  EXPECT_EQ(told([&](auto* c) { lcpbench_capture_row(c, 1, &beyond, &one, 0, 1, 0, 0, "m", "a"); }),
+            step + "a coordinate of no block; blocks are given before rows");
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1), lcpbench_capture_row_impulse(c, 0, nan); }),
+            step + "rows[0].impulse is not finite");
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1), lcpbench_capture_row_impulse(c, 1, 1); }),
+            step + "no such bounded row in this step");
+  const std::string friction = step + "friction of a row needs an earlier row whose lower bound is 0";
+  EXPECT_EQ(told([&](auto* c) { lcpbench_capture_row_friction(c, 0, 1); }), friction);
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1), lcpbench_capture_row_friction(c, 0, 1); }), friction);
+  EXPECT_EQ(told([&](auto* c) { row(c, -1, 1), row(c, -1, 1), lcpbench_capture_row_friction(c, 0, 1); }), friction);
+  EXPECT_EQ(told([&](auto* c) { row(c, 0, 1), row(c, -1, 1), lcpbench_capture_row_friction(c, 0, -1); }),
+            step + "friction of a row needs mu >= 0");
+  lcpbench_capture* capture = lcpbench_capture_open(file_.c_str(), "mistakes", "engine", "1", 0.01);
+  lcpbench_capture_step(capture, 7, 0);
+  add(capture, body());
+  ::testing::internal::CaptureStderr();
+  row(capture, 0, 1);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            step + "rows[0]: rows and bodies in one step: give the bodies as blocks\n");
+  EXPECT_NE(lcpbench_capture_close(capture), 0);
+  EXPECT_EQ(lcpbench_capture_row(nullptr, 1, &zero, &one, 0, 1, 0, 0, "m", nullptr), -1);
+}
+
 // What is wrong in one step leaves that step out and is told at the end; the others are kept.
 TEST_F(CaptureTest, MistakesAreToldAndDoNotSpoilTheFile) {
   const double point[3] = {0, 0, 0}, up[3] = {0, 0, 1};

@@ -30,6 +30,22 @@ TEST(RowIslandsTest, ContactsShareAnIslandWithTheirFrictionAndCone) {
   EXPECT_EQ(islands.of_row, (Labels{0, 1, 2, 0, 0, 1, 1, 0, 1}));
 }
 
+// The load of rows 0 and 2 moves nothing itself; row 3 moves nothing, and nothing depends on it.
+TEST(RowIslandsTest, RowsOfFrictionShareTheIslandOfTheirLoad) {
+  ContactProblem problem = two_points();
+  problem.rows.R = (Matrix(4, 4) << 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0).finished();
+  problem.rows.bounds = LcpBounds::nonnegative(4);
+  problem.rows.bounds.friction_of = {1, -1, 1, -1};
+  const RowIslands islands = row_islands(problem);
+  EXPECT_EQ(islands.count, 3);
+  EXPECT_EQ(islands.of_row, (Labels{0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2}));
+  const std::vector<Island> list = find_islands(problem);
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list.front().rows, (Labels{0, 1, 2}));
+  problem.rows.R = Matrix::Zero(4, 4);
+  EXPECT_EQ(row_islands(problem).of_row, (Labels{0, 1, 2, 0, 0, 1, 1, 0, 1, 3, 3, 3, 4}));
+}
+
 /// Bodies of 3 and 3 coordinates with inertia of three kinds; contacts of one body or two with many zeros.
 ContactProblem random_bodies(std::mt19937& random) {
   const auto below = [&](int count) { return static_cast<Index>(random() % static_cast<unsigned>(count)); };

@@ -134,7 +134,7 @@ def solvable_by_theory(problem):
         if rows.b[k] == 0 or rows.compliance[k] > 0:
             return True
         if of is not None:
-            return rows.compliance[of] > 0
+            return rows.compliance[of] > 0 or rows.upper[of] < INFINITY
         if rows.lower[k] == -INFINITY:
             return rows.upper[k] < INFINITY and rows.b[k] <= 0
         return rows.upper[k] < INFINITY or rows.b[k] >= 0

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
 #include "core/registry.h"
 #include "generators/sets.h"
@@ -129,6 +130,51 @@ TEST(ChangedTest, AnOffsetIsChangedWithItsRow) {
     const Vector row = (change == Change::kUnits ? 1024 : 1) * to_dense(contact.N).row(3).transpose();
     EXPECT_TRUE(contact.b.isApprox(row, 0x1p-29)) << name << ": " << contact.b.transpose();
     EXPECT_TRUE(are_opposite(contact)) << name;
+  }
+}
+
+/// The body without friction at its contacts, with a coupler, a brake that slides, a soft stop and friction on another.
+ContactProblem body_with_rows() {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  ContactProblem problem = body();
+  problem.D = Matrix(6, 0);
+  problem.edges = {0, 0};
+  problem.mu.setZero();
+  Matrix R = Matrix::Zero(6, 5);
+  R(0, 0) = 1, R(1, 0) = -2;    // equality
+  R(5, 1) = 1;                  // brake
+  R(3, 2) = 1;                  // soft stop
+  R(2, 3) = -1, R(4, 3) = 0.5;  // bears friction
+  R(1, 4) = 1, R(5, 4) = 1;     // that friction
+  BoundedRows& rows = problem.rows;
+  rows.R = R;
+  rows.bounds = LcpBounds::nonnegative(5);
+  rows.bounds.lower << -kNone, -0.25, -kNone, 0, -kNone;
+  rows.bounds.upper << kNone, 0.5, 0, kNone, kNone;
+  rows.bounds.friction_of = {-1, -1, -1, -1, 3};
+  rows.bounds.mu(4) = 0.375;
+  rows.b = Vector::Zero(5);
+  rows.b << 0, 0, 0.5, -0.75, 0;
+  rows.compliance = Vector::Unit(5, 2) / 8;
+  rows.is_angle = {0, 1, 1, 0, 0};
+  return problem;
+}
+
+TEST(ChangedTest, BoundedRowsKeepTheirMotion) {
+  const Problem problem("rows", body_with_rows());
+  const Vector expected = answer_to(problem);
+  EXPECT_GT((expected - problem.contact()->v).norm(), 0.1);
+  for (const auto& [name, change] : all_changes().values) {
+    if (!applies(change, problem)) continue;
+    for (std::int64_t draw = 0; draw < 8; ++draw) {
+      const Problem other = changed(problem, change, draw);
+      EXPECT_NO_THROW(check_contact(*other.contact(), name)) << name;
+      const Vector answer = drawn(change, draw).take_back(problem, answer_to(other));
+      EXPECT_LE((answer - expected).lpNorm<Eigen::Infinity>(), data_change(change) > 0 ? 1e-6 : 1e-12) << name << draw;
+      EXPECT_NE(problem_hash(other), problem_hash(problem)) << name << draw;
+      const bool is_twice = change == Change::kDuplicate || change == Change::kNearDuplicate;
+      EXPECT_EQ(other.contact()->rows.size(), is_twice ? 6 : 5) << name;
+    }
   }
 }
 

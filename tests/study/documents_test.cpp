@@ -132,13 +132,14 @@ TEST_F(DocumentsTest, SolveJson) {
   for (const json& row : rows) {
     expect_fields(row,
                   "problem:o solver:s settings:s label:s model:s claim:s verdict:s truth:s least_violation_m_per_s:n? why:s "
-                  "z:a? velocity:a? errors:o time:o counters:o impulses:s detail:s");
-    expect_fields(row["problem"], "name:s kind:s n:n ngc:n? nc:n? edges:a?");
+                  "z:a? velocity:a? errors:o time:o counters:o impulses:s rows:a? detail:s");
+    expect_fields(row["problem"], "name:s kind:s n:n ngc:n? nc:n? edges:a? rows:n?");
     expect_fields(row["errors"],
                   "velocity_residual_m_per_s:n? velocity_residual_relative:n? model_error_m_per_s:n? "
                   "natural_residual:n? backward_row_norm:n? forward_velocity:n? violation_m_per_s:n? work_gain_j:n? "
                   "complementarity_j:n? cone_violation:n? min_z:n? returned_velocity_error:n? "
-                  "least_violation_m_per_s:n? proof_margin:n? optimum_distance:n? velocity_mismatch:n? worst_row:n?");
+                  "least_violation_m_per_s:n? proof_margin:n? optimum_distance:n? velocity_mismatch:n? worst_row:n? "
+                  "contact_residual_m_per_s:n? worst_bounded_row:o?");
     expect_fields(row["time"], "setup_s:n solve_s:n verify_s:n");
     expect_fields(row["counters"], "iterations:n? pivots:n? factorizations:n?");
     for (const json& count : row["counters"]) EXPECT_TRUE(count.is_null() || count.get<std::int64_t>() >= 0) << count;

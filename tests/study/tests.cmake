@@ -11,7 +11,7 @@ lcpbench_room(study
     LCPBENCH_PLAN="${CMAKE_CURRENT_SOURCE_DIR}/study/regression_plan.json"
     LCPBENCH_COUNTS="${CMAKE_CURRENT_SOURCE_DIR}/golden/regression.json")
 foreach(test runner start_last work_queue cli documents surroundings terminal shrink replay_measures replay view
-        velocity_agreement validate definite models)
+        velocity_agreement validate definite models shown_rows)
   lcpbench_test(${test})
 endforeach()
 lcpbench_test(kill SLOW)

@@ -147,6 +147,21 @@ function contactTable(view, answers, choose) {
   return dataTable(columns, byError(view, answers), { name: "contacts", caption: "Contacts in numbers" });
 }
 
+/** The bounded rows with each answer's impulse, velocity and state. */
+function rowTable(view, answers) {
+  const unit = (row) => view.rows[row].unit;
+  const quantities = [
+    ["impulse", "Impulse", (value, row) => `${plain(value)} ${unit(row) === "rad/s" ? "N m s" : "N s"}`],
+    ["velocity", "Velocity w", (value, row) => `${plain(value)} ${unit(row)}`],
+    ["state", "State"],
+  ];
+  const columns = [{ name: "row", title: "Bounded row", value: (row) => view.rows[row].name },
+  ...quantities.flatMap(([key, title, show]) => answers.map((answer) => ({ name: `${title}, ${answer.solver}`, title,
+    unit: answer.solver, number: Boolean(show), value: (row) => answer.rows[row]?.[key],
+    show: show && ((row) => (answer.rows[row] ? show(answer.rows[row][key], row) : "")) })))];
+  return dataTable(columns, [...view.rows.keys()], { name: "rows", caption: "Bounded rows in numbers" });
+}
+
 const claims = { solved: "said solved", unsolvable: "said unsolvable", iteration_limit: "stopped at its limit of iterations",
   time_limit: "stopped at its time limit", numerical_failure: "gave up", unsupported: "refused it", crashed: "crashed" };
 const answerWords = ({ claim, verdict, error_m_per_s: error, time_s: time }) => `${claims[claim] ?? claim}; verdict: ` +
@@ -209,6 +224,7 @@ export function mountStep(element, view) {
   };
   const readout = h("p", { class: "scene3d-readout", "aria-live": "polite" }, howTo);
   const numbers = h("div", { class: "scene3d-numbers" });
+  const ofRows = h("div", { class: "scene3d-numbers" });
   const repaint = () => {
     for (const pane of panes) pane.pixel = paint(pane.canvas, orbit, drawing(answers[pane.choice]));
   };
@@ -233,6 +249,7 @@ export function mountStep(element, view) {
     for (const pane of panes) pane.words.textContent = answerWords(answers[pane.choice]);
     const shown = [...new Set(panes.map(({ choice }) => choice))].map((i) => answers[i]);
     numbers.replaceChildren(contactTable(view, shown, choose));
+    if (view.rows.length > 0) ofRows.replaceChildren(rowTable(view, shown));
     if (state.contact !== null) choose(state.contact);
     repaint();
   };
@@ -255,7 +272,8 @@ export function mountStep(element, view) {
         toggles.length > 0 && h("fieldset", null, h("legend", null, "Arrows"), toggles), orbitButtons(orbit, repaint)),
       readout, known.length > 0 && rampLegend("Error of a contact:", "1e-8 m/s or less", "0.1 m/s or more")],
     h("p", { class: "scene3d-notes" }, notes.join(" ")),
-    fold("Contacts in numbers", () => numbers, { open: !drawn }));
+    fold("Contacts in numbers", () => numbers, { open: !drawn }),
+    view.rows.length > 0 && fold("Bounded rows in numbers", () => ofRows, { open: true }));
   element.replaceChildren(figure);
   keepPainted(figure, repaint);
   frame();
