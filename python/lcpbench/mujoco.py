@@ -329,6 +329,15 @@ def _velocity_before(model: Any, data: Any) -> np.ndarray:
     return before
 
 
+def _acceleration(model: Any, data: Any, J: np.ndarray) -> np.ndarray:
+    """That of the step; of RK4's stage that MuJoCo solved last, whose qacc is the one of all stages."""
+    import mujoco
+
+    if model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4:
+        return np.asarray(data.qacc)
+    return _solve(_blocks(model, _full_inertia(model, data)), data.qfrc_smooth + J.T @ data.efc_force)
+
+
 def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, notes: list[str]) -> Step:
     """The convex problem of MuJoCo [Todorov 2014], as `lcpbench capture --soft` writes it: with the acceleration a, the
     force f of each edge of a pyramid asks that J a - efc_aref + R f >= 0. An elliptic cone is one contact with friction,
@@ -381,7 +390,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, n
     if len(elliptic):
         problem._engine_model = "convex"
     return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
-                row_impulses=row_impulses, velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), notes=notes,
+                row_impulses=row_impulses, velocity=before + h * _acceleration(model, data, J), contact_frames=_frames(data, rows), notes=notes,
                 **_seen(data))
 
 
@@ -441,7 +450,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         return _soft_step(model, data, J, stepped, name, notes.texts)
     contact = data.contact
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-        after, qvel = data, (_velocity_before(model, data) if stepped else data.qvel) + h * data.qacc
+        after, qvel = data, (_velocity_before(model, data) if stepped else data.qvel) + h * _acceleration(model, data, J)
     else:
         after = data if stepped else _stepped_on(model, data)  # qDeriv, too, is of the step
         qvel = after.qvel
