@@ -56,7 +56,7 @@ def _rows_part(rows: Any, kept: np.ndarray) -> Any:
 
 def _part(problem: Problem, kept: np.ndarray, kept_rows: np.ndarray) -> Problem:
     """The same bodies with these contacts and bounded rows alone."""
-    edges = np.asarray(problem.edges)
+    edges = np.asarray(problem.edges, dtype=int)
     columns, twice = np.repeat(kept, edges), np.repeat(kept, 2)
     inertia = {"Ginv": problem.Ginv} if problem.G is None else {"G": problem.G}
     return Problem(**inertia, N=problem.N[:, kept], D=problem.D[:, columns], edges=edges[kept], mu=problem.mu[kept],
