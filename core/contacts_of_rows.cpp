@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/added_coordinates.h"
-#include "core/answer/contact_scale.h"
+#include "core/answer/contact_lcp.h"
 #include "core/islands.h"
 
 namespace lcpbench {
@@ -144,12 +144,8 @@ class RowSizes {
       std::vector<double> moved;
       for (const Index c : near) {
         const double own = contacts[static_cast<std::size_t>(c)];
-        double coupling = 0, terms = 0;
-        for_each_entry(problem_.N, c, [&](Index j, double entry) {
-          coupling += entry * response(j);
-          terms += std::abs(entry * response(j));
-        });
-        if (own > 0 && std::abs(coupling) > 0x1p-45 * terms) moved.push_back(own);
+        const double coupling = std::abs(dot_column(problem_.N, c, response));
+        if (coupling > ContactLcp::kLeastCoupling * std::sqrt(own * diagonal(i))) moved.push_back(own);
       }
       const auto island = static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(i)]);
       std::vector<double>& others = !moved.empty() ? moved : !of_contacts[island].empty() ? of_contacts[island] : of_rows[island];
@@ -370,7 +366,7 @@ Vector ContactsOfRows::proof(const Vector& u) const {
 bool ContactsOfRows::is_in_doubt(const Vector& x) const {
   constexpr double kNearBound = 0.999;
   return std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) {
-    return row.is_large && std::abs(impulse(row, x)) >= kNearBound * x(row.contact);
+    return row.middle != 0 || (row.is_large && std::abs(impulse(row, x)) >= kNearBound * x(row.contact));
   });
 }
 

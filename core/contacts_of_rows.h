@@ -30,8 +30,9 @@ class ContactsOfRows {
   Vector start(const Vector& z) const;
   /// The proof for the problem. @param u  for contacts(), one entry for each
   Vector proof(const Vector& u) const;
-  /// Whether a row is at a bound that was scaled down, because it is large beside all velocities: contacts() then allow
-  /// it a larger error than the verdict.
+  /// Whether contacts() may allow a larger error than the verdict: where bounds are not alike, so that the impulse
+  /// between them acts before the contacts, or where a row is at a bound that was scaled down, because it is large beside
+  /// all velocities.
   bool is_in_doubt(const Vector& x) const;
 
  private:

@@ -182,8 +182,7 @@ std::string why_no_rows(const Capabilities& capabilities, const Problem& problem
   if (capabilities.needs == Needs::kFactored && !capabilities.boxed && !ContactsOfRows::can_express(rows)) {
     return "takes no two rows of friction with one load, and no load with an upper bound";
   }
-  const bool slides = rows.bounds.needs_slacks();
-  if (slides && capabilities.frictionless_only && !capabilities.boxed && capabilities.friction_setting[0] == '\0') {
+  if (rows.bounds.needs_slacks() && capabilities.frictionless_only && !capabilities.boxed) {
     return "needs a symmetric M, which second bounds and friction rows do not leave";
   }
   return {};

@@ -41,6 +41,7 @@ Index ContactMatch::find_sorted(std::span<const ContactId> before, ContactId id)
 void matched_start(const Vector& z, const ContactLayout& layout_before, const ContactMatch& match,
                    const ContactLayout& layout_now, Vector& start) {
   start.setZero(layout_now.size());
+  if (layout_now.rows == layout_before.rows) start.tail(layout_now.rows) = z.tail(layout_now.rows);
   for (std::size_t c = 0; c < match.before().size(); ++c) {
     if (match.before()[c] < 0) continue;
     const auto was = static_cast<std::size_t>(match.before()[c]);

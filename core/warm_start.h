@@ -39,8 +39,9 @@ class ContactMatch {
 };
 
 /// Writes into `start` (resized) the answer z of the step before as a guess at the answer now: f_N, f_D and lambda of
-/// each contact that was there, f_N alone where its number of edges changed, zero for those that are new. It is a
-/// guess: solvers check what they get from it as they check every answer. O(n); allocates where `start` has to grow.
+/// each contact that was there, f_N alone where its number of edges changed, zero for those that are new; and
+/// f_R where there are as many bounded rows as before, which keep their order. It is a guess: solvers check what they
+/// get from it as they check every answer. O(n); allocates where `start` has to grow.
 /// @param layout_before, layout_now  of the two problems @param match  of their contacts
 /// @pre z has layout_before.size() entries and is not `start`; match.before() has layout_now.nc
 void matched_start(const Vector& z, const ContactLayout& layout_before, const ContactMatch& match,

@@ -95,7 +95,7 @@ void ContactSolver::State::load(Problem next, std::span<const ContactId> next_id
 void ContactSolver::State::take_start(const ContactLayout& last_layout) {
   if (has_start) {
     match.find(last_ids, ids);
-    has_start = match.matched() > 0;
+    has_start = match.matched() > 0 || (layout.rows > 0 && layout.rows == last_layout.rows);
   }
   if (has_start) {
     last_start.swap(start);
@@ -124,10 +124,14 @@ void ContactSolver::State::compute_velocity() {
   impulse.setZero();
   add_impulses(contacts->N, answer.z.data(), impulse);
   add_impulses(contacts->D, answer.z.data() + layout.friction_offset(), impulse);
+  add_impulses(contacts->rows.R, answer.z.data() + layout.row_offset(), impulse);
   if (inverse_inertia.blocks() == 0) inverse_inertia = BlockInverse(contacts->inertia, InverseProof::kDigits);
   inverse_inertia.add_product(impulse, velocity);
-  const auto impulses = answer.z.head(layout.lambda_offset());
-  if (velocity.allFinite() && std::none_of(impulses.begin(), impulses.end(), is_near_underflow)) return;
+  const auto is_tiny = [](const auto& impulses) {
+    return std::any_of(impulses.begin(), impulses.end(), is_near_underflow);
+  };
+  const auto& z = answer.z;
+  if (velocity.allFinite() && !is_tiny(z.head(layout.lambda_offset())) && !is_tiny(z.tail(layout.rows))) return;
   ContactProblem moving = *contacts;
   moving.v = v;
   velocity = post_impact_velocity(moving, answer.z);
@@ -233,6 +237,12 @@ double ContactSolver::friction_impulse(Index contact, Index t) const {
   if (!state.has_answer()) return 0.0;
   const Index first = layout.friction_offset() + layout.friction_begin[c] + t;
   return state.answer.z(first) - state.answer.z(first + half);
+}
+
+double ContactSolver::row_impulse(Index row) const {
+  const State& state = loaded();
+  if (row < 0 || row >= state.layout.rows) throw std::out_of_range("there is no bounded row " + std::to_string(row));
+  return state.has_answer() ? state.answer.z(state.layout.row_offset() + row) : 0.0;
 }
 
 Eigen::Vector3d ContactSolver::impulse(Index contact) const {

@@ -82,18 +82,20 @@ class ContactSolver {
   ///     frictionless solver, n over its limit), or ids in another number than contacts
   void load(const RigidScene& scene, std::span<const ContactId> ids = {});
 
-  /// The same for generalized coordinates, in any form that ContactProblem has. Copied.
+  /// The same for generalized coordinates, in any form that ContactProblem has, with bounded rows for joints. Copied.
   /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, compliance < 0, mu,
-  ///     compliance_t or offset_t is not 0 without edges, a number is NaN or infinite, or the solver does not take it.
+  ///     compliance_t or offset_t is not 0 without edges, bounds of a row are not lower <= 0 <= upper or both 0, or its
+  ///     load has another lower bound than 0, a number is NaN or infinite, or the solver does not take it.
   ///     That G is symmetric and positive definite and that D comes in +- pairs is the caller's promise: testing it
   ///     would cost more than a solve (`lcpbench solve` tests it).
   void load(const ContactProblem& contacts, std::span<const ContactId> ids = {});
 
   /// The bodies and contacts of the next time step: another number of contacts, other points, normals, inertia. The
   /// next solve starts from the impulses of the last one, contact by contact as the ids match, where the solver can use
-  /// them, and from zero for contacts that are new. An answer passes the same tests from any start. The start decides
-  /// how much work a solve takes, and so whether it ends within a limit, and which of several solutions it finds.
-  /// Before load() it is load(). Costs and errors are those of load().
+  /// them, and from zero for contacts that are new. Bounded rows keep theirs where there are as many as before. An
+  /// answer passes the same tests from any start. The start decides how much work a solve takes, and so whether it ends
+  /// within a limit, and which of several solutions it finds. Before load() it is load(). Costs and errors are those of
+  /// load().
   void update(const RigidScene& scene, std::span<const ContactId> ids);
   void update(const ContactProblem& contacts, std::span<const ContactId> ids);
 
@@ -121,17 +123,20 @@ class ContactSolver {
   /// with solvers that are not `allocation_free` the first of these after load() or update() also inverts G.
   /// The vector changes in load(), in update(), and in the first call of velocity() after solve() or set_velocity().
   /// Not to be called by two threads at once.
-  /// @throws std::logic_error before load(), as do the next three
+  /// @throws std::logic_error before load(), as do the next four
   const Vector& velocity() const;
 
   /// Impulse along the contact's normal [N s], >= 0; 0 unless the last claim is kSolved. The last iterate of a solver
   /// that was cut short is answer().z.
-  /// @throws std::out_of_range, as do the next two, for a contact or direction that does not exist
+  /// @throws std::out_of_range, as do the next three, for a contact, direction or row that does not exist
   double normal_impulse(Index contact) const;
 
   /// Net friction impulse [N s] along direction t of the contact, t < edges / 2. Of a scene: 0 is the contact's
   /// tangent, 1 is normal x tangent.
   double friction_impulse(Index contact, Index t) const;
+
+  /// Impulse of a bounded row [N s, N m s]; 0 unless the last claim is kSolved.
+  double row_impulse(Index row) const;
 
   /// Total impulse on body_a at the contact's point, in world axes [N s]; body_b gets its negative.
   /// @throws std::logic_error unless the contacts were loaded as a scene

@@ -12,8 +12,8 @@ namespace lcpbench {
 /// @throws InputError naming body or contact and field. O(bodies + contacts)
 void check_usable(const RigidScene& scene);
 
-/// Does not look for NaN and infinity in v, N, D, b, offset_t, the inertia, and R and b of bounded rows: see why_not() of
-/// core/solver.h. @throws InputError naming the field. O(contacts + rows + blocks of the inertia)
+/// Does not look for NaN and infinity in v, N, D, b, offset_t, the inertia, and R and b of bounded rows: see why_not()
+/// of core/solver.h. @throws InputError naming the field. O(contacts + rows + blocks of the inertia)
 void check_usable(const ContactProblem& contacts);
 
 }  // namespace lcpbench

@@ -107,7 +107,7 @@ std::string wrong_length(const char* field, Index found, Index expected) {
 AnswerSizes answer_sizes(const Problem& problem) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return {problem.size(), 0, problem.size()};
-  return {problem.size(), contact->ngc(), contact->nc()};
+  return {problem.size(), contact->ngc(), contact->nc() + contact->rows.size()};
 }
 
 std::string wrong_lengths(const Answer& answer, const AnswerSizes& sizes) {

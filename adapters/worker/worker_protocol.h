@@ -52,7 +52,7 @@ struct Response {
 struct AnswerSizes {
   Index z = 0;         ///< n
   Index velocity = 0;  ///< ngc; 0 for a bare LCP
-  Index farkas = 0;    ///< nc; n for a bare LCP
+  Index farkas = 0;    ///< nc and the bounded rows; n for a bare LCP
 };
 
 AnswerSizes answer_sizes(const Problem& problem);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/answer/measures.h"
 #include "core/islands.h"
@@ -299,17 +300,6 @@ Quad ContactLcp::lever(std::size_t i) {
   return levers_[static_cast<std::size_t>(number_of(i))];
 }
 
-/// A sum, and what its terms add up to: zero, where nothing but their rounding is left.
-struct ContactLcp::Sum {
-  Quad value = 0, terms = 0;
-
-  void add(Quad term) {
-    value += term;
-    terms += abs(term);
-  }
-  bool is_zero() const { return abs(value) <= Quad{0x1p-90} * terms; }
-};
-
 /// Of column i of J in this row.
 double ContactLcp::entry_of(std::size_t i, std::size_t row) const {
   const Entries of = entries(i);
@@ -345,7 +335,7 @@ void ContactLcp::find_levers() {
   }
   QuadVector moved;
   std::vector<std::size_t> near;
-  std::vector<Sum> coupling(contacts_);  // M_ci
+  QuadVector coupling(contacts_, 0);  // M_ci
   for (std::size_t row = 0; row < count; ++row) {
     const std::size_t i = first_bounded_ + row;
     const Quad own = is_angle(row) ? rigid_diagonal(i) : Quad{0};
@@ -356,13 +346,15 @@ void ContactLcp::find_levers() {
     inertia_.for_each_response({of.rows, of.count}, of.values, [&](std::size_t coordinate, Quad velocity) {
       if (velocity == 0) return;
       for (const std::size_t c : contacts_of[coordinate]) {
-        if (coupling[c].terms == 0) near.push_back(c);
-        coupling[c].add(entry_of(c, coordinate) * velocity);
+        near.push_back(c);
+        coupling[c] += entry_of(c, coordinate) * velocity;
       }
     });
     moved.clear();
-    for (const std::size_t c : near) {
-      if (!std::exchange(coupling[c], Sum{}).is_zero() && rigid_diagonal(c) > 0) moved.push_back(rigid_diagonal(c));
+    for (const std::size_t c : near) {  // a contact may be there several times, and then counts once
+      const Quad of_contact = std::exchange(coupling[c], 0);
+      const Quad of_both = rigid_diagonal(c) * own;
+      if (of_contact * of_contact > Quad{kLeastCoupling * kLeastCoupling} * of_both) moved.push_back(rigid_diagonal(c));
     }
     const QuadVector& others = !moved.empty() ? moved : !of_contacts[island].empty() ? of_contacts[island] : of_rows[island];
     if (!others.empty()) levers_[row] = sqrt(median(others) / own);

@@ -65,6 +65,8 @@ class ContactLcp {
   Quad diagonal(std::size_t i);
   /// |mid(M_ii (f - lower), M_ii (f - upper), w)| of a bounded row [m/s, rad/s]. @param w  w_i
   Quad bounded_residual(std::size_t i, const QuadVector& z, Quad w);
+  /// |M_ci| over sqrt(M_cc M_ii) from which on a row moves a contact: less may be rounding.
+  static constexpr double kLeastCoupling = 1e-9;
   /// What turns the residual of a bounded row into m/s: of an angle the root of M_cc / M_ii, both without compliance,
   /// M_cc the median over the contacts that the row moves, else over those of its island, else over the island's rows
   /// in m. 1 of rows in m, where M_ii = 0, and where there is no such M_cc.
@@ -162,7 +164,6 @@ class ContactLcp {
   Quad diagonal_error(std::size_t i) const;
   /// M_ii without compliance.
   Quad rigid_diagonal(std::size_t i);
-  struct Sum;
   /// The entry of row i of J for a coordinate that it moves.
   double entry_of(std::size_t i, std::size_t coordinate) const;
   void find_levers();

@@ -298,9 +298,10 @@ void RefinedInertia::find_touched(std::span<const std::size_t> rows) const {
 /// wide_ := G* x for the x with these entries in `rows`; the rows of pattern_ may not be zero in it.
 void RefinedInertia::respond(std::span<const std::size_t> rows, const double* entries) const {
   if (precise_) return solve_precisely(rows, entries);
-  for (const std::size_t i : pattern_) wide_[i] = 0;
-  pattern_.clear();
   wide_.resize(static_cast<std::size_t>(dimension(inertia_)), 0);
+  rough_.resize(wide_.size(), 0);
+  for (const std::size_t i : pattern_) rough_[i] = 0, wide_[i] = 0;
+  pattern_.clear();
   if (!has_inertia_) {
     const Matrix& Ginv = std::get<InverseInertia>(inertia_).Ginv;
     pattern_.resize(wide_.size());

@@ -51,9 +51,9 @@ std::string problem_name_of_file(const std::string& file);
 void check_lcp(const Lcp& lcp, const std::string& origin);
 
 /// Sizes agree; every number finite; edges even and >= 0; mu and compliances >= 0; no mu, compliance_t or offset_t
-/// without edges; the columns of D in exact +- pairs; bounds of rows as in check_lcp(), with lower <= 0 <= upper and not
-/// both 0; G exactly symmetric and positive definite (Cholesky); Ginv exactly symmetric and positive semidefinite (to
-/// rounding); alpha > 0. O(ngc^3).
+/// without edges; the columns of D in exact +- pairs; bounds of rows as in check_lcp(), with lower <= 0 <= upper and
+/// not both 0; G exactly symmetric and positive definite (Cholesky); Ginv exactly symmetric and positive semidefinite
+/// (to rounding); alpha > 0. O(ngc^3).
 void check_contact(const ContactProblem& problem, const std::string& origin);
 
 /// Masses > 0; inertias exactly symmetric and positive definite; existing, distinct bodies; unit normals and, where

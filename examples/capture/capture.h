@@ -89,14 +89,15 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
                                         const double* tangent1, const double* tangent2, double mu, int edges, double b,
                                         const char* id);
 
-/* A bounded row of blocks, for a joint, a limit, a motor or dry friction in a joint; returns its index among these rows.
- * Its velocity is w = direction'v+ + b + compliance f. Its impulse f is between lower <= 0 and upper >= 0, -INFINITY and
- * INFINITY where there is no bound; w = 0 between them. unit: "m" where direction'v+ is in m/s and f in N s, "rad" where
- * they are in rad/s and N m s. name: for messages, or NULL. See docs/reference/problem-file.md, "Bounded rows". */
+/* A bounded row of blocks, for a joint, a limit, a motor or dry friction in a joint; returns its index among these
+ * rows. Its velocity is w = direction'v+ + b + compliance f. Its impulse f is between lower <= 0 and upper >= 0,
+ * -INFINITY and INFINITY where there is no bound; w = 0 between them. unit: "m" where direction'v+ is in m/s and f in
+ * N s, "rad" where they are in rad/s and N m s. name: for messages, or NULL. See docs/reference/problem-file.md,
+ * "Bounded rows". */
 static inline int lcpbench_capture_row(lcpbench_capture* c, int entries, const int* coordinates,
                                        const double* direction, double lower, double upper, double b, double compliance,
                                        const char* unit, const char* name);
-/* Optional: the bounded row given last has the bounds -mu f and mu f, f of the bounded row `of`, in place of its own. */
+/* Optional: the bounded row given last has the bounds -mu f and mu f in place of its own, f of the bounded row `of`. */
 static inline void lcpbench_capture_row_friction(lcpbench_capture* c, int of, double mu);
 
 /* Optional, for pictures: where a contact of blocks is, with the unit normal and the first unit tangent, in the world. */

@@ -181,7 +181,9 @@ Vector or_zeros(const Problem& problem, Vector ContactProblem::* field, Index ea
 /// As Problem takes them.
 nb::object row_fields(const BoundedRows& rows) {
   if (rows.size() == 0) return nb::none();
-  const auto all = [&](const Vector& values) { return nb::cast(values.size() > 0 ? values : Vector(0 * rows.bounds.mu)); };
+  const auto all = [&](const Vector& values) {
+    return nb::cast(values.size() > 0 ? values : Vector(Vector::Zero(rows.size())));
+  };
   nb::dict fields;
   fields["R"] = nb::cast(rows.R);
   fields["lower"] = nb::cast(rows.bounds.lower);

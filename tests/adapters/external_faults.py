@@ -24,6 +24,13 @@ def raw(text):
     return answer
 
 
+def bounded_rows(problem):
+    if "rows" not in problem:
+        return {"claim": "unsupported", "detail": f"got {len(problem['N'][0])} contact"}
+    rows, (inertia,), (v,) = problem["rows"], *problem["G"], problem["v"]
+    return {"claim": "solved", "z": [max(0.0, -inertia * (rows["R"][0][0] * v + rows["b"][0]))]}
+
+
 def with_fields(**fields):
     return lambda problem: {**right(problem), **fields}
 
@@ -123,6 +130,7 @@ def write(problem):
 behaviours = {
     "right": right,
     "delays": right,
+    "bounded_rows": bounded_rows,
     "process": process,
     "cache": cache,
     "write": write,

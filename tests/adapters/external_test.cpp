@@ -286,6 +286,26 @@ TEST(ExternalTest, ProblemsOfTheOtherFormsAreRefusedOrGiven) {
   EXPECT_NE(refused.detail.find("needs the contact problem"), std::string::npos) << refused.detail;
 }
 
+// An arm that runs into its stop: without the setting the program gets contacts in place of the rows.
+TEST(ExternalTest, BoundedRowsAreGivenToProgramsThatKnowThem) {
+  ContactProblem arm{.v = Vector{{-1}}, .N = Matrix(1, 0), .D = Matrix(1, 0), .mu = Vector(0),
+                     .inertia = DenseInertia{Matrix{{2}}}};
+  arm.rows = {.R = Matrix{{1}}, .bounds = LcpBounds::nonnegative(1), .b = Vector{{0.2}}, .is_angle = {1}};
+  const auto answer_with = [&](const char* rows) {
+    const auto solver = worker_solver(
+        EXTERNAL_WORKER, Spec{"external", {{"command", EXTERNAL_FAULTS}, {"form", "contact"}, {"rows", rows}}}, {});
+    TimedAnswer result;
+    solver->run(Problem("bounded_rows", arm), kPatient, result);
+    return result.answer;
+  };
+  const Answer given = answer_with("true");
+  EXPECT_EQ(given.claim, Claim::kSolved) << given.detail;
+  EXPECT_EQ(given.z, (Vector{{1.6}}));
+  const Answer contacts = answer_with("false");
+  EXPECT_EQ(contacts.claim, Claim::kUnsupported);
+  EXPECT_EQ(contacts.detail, "got 1 contact");
+}
+
 // A message holds what the problem file of the same problem holds, number for number, on one line.
 void expect_message_is_the_file(const Problem& as_file) {
   const std::string message = external::problem_message(as_file);
@@ -303,6 +323,12 @@ TEST(ExternalMessageTest, ProblemsAreGivenAsInTheProblemFile) {
     expect_message_is_the_file(Problem(problem.name(), *problem.contact()));
     if (problem.scene() != nullptr) expect_message_is_the_file(problem);
   }
+  ContactProblem with_rows = *open_set("paper/monotone/exp1")->generate(7, 3).contact();
+  with_rows.rows = {.R = Matrix::Ones(with_rows.ngc(), 1),
+                    .bounds = LcpBounds::nonnegative(1),
+                    .is_angle = {1},
+                    .names = {"hinge"}};
+  expect_message_is_the_file(Problem("rows", with_rows));
   const Problem odd("a \"name\"", Lcp{Matrix{{-0.0, 4.9e-324}, {1e308, 0.1}}, Vector{{3.0, -1.0 / 3.0}}});
   const nlohmann::json json = nlohmann::json::parse(external::problem_message(odd));
   EXPECT_TRUE(std::signbit(json["problem"]["M"][0][0].get<double>()));

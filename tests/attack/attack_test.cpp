@@ -169,6 +169,7 @@ TEST(AttackTest, ProblemsAreTheSameOnEveryMachine) {
   EXPECT_EQ(hash_of_first(Family::kMixed, 510), "14826116895335564766");
   EXPECT_EQ(hash_of_first(Family::kContact, 450), "7306394478572106017");
   EXPECT_EQ(hash_of_first(Family::kDoubtful, 400), "16329457992780977348");
+  EXPECT_EQ(hash_of_first(Family::kRows, 450), "9938121167511428879");
   EXPECT_EQ(hash_of_first(Family::kRank, 200), "293119894001033079");
   EXPECT_EQ(hash_of_first(Family::kLimits, 250), "4377977759936502775");
 }

@@ -79,7 +79,8 @@ enum class Relation { kNone, kRedundant, kContradicting };
 
 /// The direction of an earlier row, or of a contact, once more; its offset with it, or another one.
 void depend(BoundedRows& rows, Matrix& R, Index i, const ContactProblem& problem, Relation relation, Draw& draw) {
-  const double factor = draw.sign() * static_cast<double>(draw.integer(1, 2));
+  double factor = draw.sign();
+  factor *= static_cast<double>(draw.integer(1, 2));
   if (i == 0 || (problem.nc() > 0 && draw.chance(1, 4))) {
     if (problem.nc() == 0) return;
     const Index c = draw.index(0, problem.nc() - 1);
@@ -170,6 +171,13 @@ ContactProblem soft_contacts(Draw& draw) {
   return problem;
 }
 
+/// R = G X with a sparse X: rows that move few coordinates, of which rounding makes all.
+ContactProblem few_coordinates(Draw& draw) {
+  ContactProblem problem = with_rows(Relation::kNone, 3, 2, draw);
+  problem.rows.R = product(dense_inertia(problem.inertia), to_dense(problem.rows.R));
+  return problem;
+}
+
 /// Bodies of their own, some coupled by rows.
 ContactProblem bodies(Draw& draw) {
   ContactProblem problem = with_rows(Relation::kRedundant, 3, 2, draw);
@@ -231,6 +239,7 @@ constexpr Kind kKinds[] = {{"joints", joints},
                            {"redundant", redundant},
                            {"contradicting", contradicting},
                            {"soft-contacts", soft_contacts},
+                           {"few-coordinates", few_coordinates},
                            {"bodies", bodies},
                            {"singular", singular},
                            {"other-units", other_units}};

@@ -93,5 +93,18 @@ TEST(MatchedStartTest, OtherEdgesKeepTheNormalImpulseAlone) {
   EXPECT_EQ(start, expected);
 }
 
+TEST(MatchedStartTest, BoundedRowsKeepTheirImpulsesIfTheirNumberIsTheSame) {
+  ContactLayout before{.nc = 1, .rows = 2, .friction_begin = {0, 0}, .lambda = {-1}};
+  ContactMatch match;
+  match.find(std::vector<ContactId>{7}, std::vector<ContactId>{7});
+  Vector start;
+  matched_start(Vector{{3, 4, 5}}, before, match, before, start);
+  EXPECT_EQ(start, (Vector{{3, 4, 5}}));
+  ContactLayout now = before;
+  now.rows = 1;
+  matched_start(Vector{{3, 4, 5}}, before, match, now, start);
+  EXPECT_EQ(start, (Vector{{3, 0}}));
+}
+
 }  // namespace
 }  // namespace lcpbench::warm_start_test

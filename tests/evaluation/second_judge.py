@@ -12,6 +12,7 @@ LEAST_SPEED = Fraction(1e-8)
 SPEED_SHARE = Fraction(1e-6)
 ENERGY_SHARE = Fraction(1e-8)
 FLOOR_SHARE = Fraction(0.01)
+LEAST_COUPLING = Fraction(1e-9)
 INFINITY = math.inf
 
 
@@ -311,7 +312,7 @@ class Contact:
         contacts = [c for c in range(self.nc) if self.moved[c] > 0]
         along = [k for k in range(self.first_row, len(self.J))
                  if not self.rows.is_angle[k - self.first_row] and self.moved[k] > 0]
-        for chosen in ([c for c in contacts if self.M[c][i] != 0],
+        for chosen in ([c for c in contacts if self.M[c][i] ** 2 > LEAST_COUPLING ** 2 * self.moved[c] * self.moved[i]],
                        [c for c in contacts if self.island(c) == self.island(i)],
                        [k for k in along if self.island(k) == self.island(i)]):
             if chosen:

@@ -319,6 +319,74 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   EXPECT_LE(solver.velocity().norm(), 1e-15);
 }
 
+/// An arm of 2 kg m^2 that runs into its stop, which is 0.2 rad/s away, against the dry friction of its bearing.
+ContactProblem arm() {
+  ContactProblem arm;
+  arm.v = Vector{{-1}};
+  arm.N = arm.D = Matrix(1, 0);
+  arm.inertia = BlockInertia{{Matrix{{2}}}};
+  arm.rows = {.R = Matrix{{1, 1}}, .bounds = LcpBounds::nonnegative(2), .b = Vector{{0.2, 0}}, .is_angle = {1, 1}};
+  arm.rows.bounds.lower(1) = -0.5;
+  arm.rows.bounds.upper(1) = 0.5;
+  return arm;
+}
+
+TEST(EmbeddingTest, BoundedRowsStandBesideContacts) {
+  for (const char* spec : {"auto", "contact_lemke"}) {
+    SCOPED_TRACE(spec);
+    ContactSolver solver(spec);
+    solver.load(arm());
+    EXPECT_EQ(solver.row_impulse(0), 0);
+    for (int step = 0; step < 2; ++step) {
+      ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
+      EXPECT_NEAR(solver.row_impulse(0), 1.1, 1e-12);
+      EXPECT_NEAR(solver.row_impulse(1), 0.5, 1e-12);
+      EXPECT_NEAR(solver.velocity()(0), -0.2, 1e-12);
+      solver.update(arm(), {});
+    }
+    solver.set_velocity(Vector{{0.1}});  // which the friction stops
+    ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
+    EXPECT_NEAR(solver.velocity()(0), 0, 1e-12);
+    EXPECT_NEAR(solver.row_impulse(1), -0.2, 1e-12);
+    EXPECT_THROW(solver.row_impulse(2), std::out_of_range);
+  }
+}
+
+TEST(EmbeddingTest, WrongBoundedRowsAreRefused) {
+  ContactSolver solver("auto");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto of = [&](auto&& change) {
+    ContactProblem changed = arm();
+    change(changed.rows);
+    return refusal([&] { solver.load(changed); });
+  };
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.R = Matrix(2, 2); }), "rows.R is 2 x 2, expected 1 x 2");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows = {.R = Matrix(1, 2)}; }), "rows.R is 1 x 2, expected 1 x 0");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.upper.resize(1); }), "rows.upper has 1 entries, expected 2");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.mu.resize(1); }), "rows.mu has 1 entries, expected 2");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.friction_of.clear(); }),
+            "rows.friction_of has 0 entries, expected 2");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.b.resize(1); }), "rows.b has 1 entries, expected 2");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.compliance = Vector{{0, -1}}; }),
+            "rows.compliance[1] is -1, expected a finite number >= 0");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.is_angle.clear(); }), "rows.is_angle has 0 entries, expected 2");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.names = {"stop"}; }), "rows.names has 1 entries, expected 2");
+  EXPECT_EQ(of([&](BoundedRows& rows) { rows.bounds.lower(0) = nan; }), "rows.lower[0] is nan, expected at most 0");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.upper(1) = -1; }), "rows.upper[1] is -1, expected at least 0");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.upper(0) = 0; }),
+            "rows.lower[0] and the upper bound are 0: leave the row out");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.friction_of[1] = 2; }),
+            "rows.friction_of[1] is 2, expected a row with the lower bound 0 of its own");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.friction_of[0] = 1; }),
+            "rows.friction_of[0] is 1, expected a row with the lower bound 0 of its own");
+  EXPECT_EQ(of([](BoundedRows& rows) { rows.bounds.friction_of[1] = 0; }),
+            "rows.lower[1] or the upper bound is given, but friction_of bounds this row");
+  EXPECT_EQ(of([&](BoundedRows& rows) { rows.bounds.friction_of[1] = 0, rows.bounds.mu(1) = nan; }),
+            "rows.mu[1] is nan, expected a finite number >= 0");
+  EXPECT_EQ(of([&](BoundedRows& rows) { std::get<Matrix>(rows.R)(0, 1) = nan; }),
+            "auto: the data hold NaN or infinity");
+}
+
 TEST(EmbeddingTest, ConstructionRefusesWhatItDoesNotKnow) {
   EXPECT_NE(refusal([] { ContactSolver("simplex"); }).find("unknown solver 'simplex'"), std::string::npos);
   EXPECT_NE(refusal([] { ContactSolver("contact_lemke{precision=half}"); }).find("precision"), std::string::npos);

@@ -330,6 +330,29 @@ class Construction(unittest.TestCase):
                 self.assertEqual(row["verdict"], "solved")
         self.assertEqual(list(Problem(**free).offset_t), [0, 0])
 
+    def test_answers_have_impulses_of_bounded_rows(self):
+        """An arm that runs into its stop against the dry friction of its bearing."""
+        arm = load(BOX.with_name("arm_at_its_stop.json"))
+        answer = solve(arm)
+        self.assertEqual((answer.verdict, answer.impulses.shape), ("solved", (0, 3)))
+        np.testing.assert_allclose(answer.row_impulses, [1.1, 0.5], rtol=1e-12)
+        np.testing.assert_allclose(answer.velocity, [-0.2], rtol=1e-12)
+        solver = ContactSolver()
+        solver.update(arm)
+        self.assertEqual(solver.solve(), "solved")
+        np.testing.assert_allclose(solver.row_impulses, [1.1, 0.5], rtol=1e-12)
+        none = np.zeros((0, 3))
+        for right, rows in ((True, [1.1, 0.5]), (False, [1.1, 0.4]), (False, [1.2, 0.6])):
+            self.assertEqual(bool(check(arm, none, row_impulses=rows)), right)
+            self.assertEqual(bool(check(arm, np.array(rows))), right)
+            self.assertEqual(bool(check(Step(arm, impulses=none, row_impulses=rows))), right)
+        sliding = Problem(G=np.eye(3), N=[[0], [0], [1.0]], tangents=np.eye(3)[:, :2], mu=0.5, v=[1.0, 0, -1],
+                          rows=dict(R=[[1.0], [0], [0]], lower=-0.25, upper=0.25))
+        answer = solve(sliding)
+        np.testing.assert_allclose(answer.velocity, [0.25, 0, 0], atol=1e-12)  # 1 less 0.5 of the contact and 0.25
+        self.assertTrue(check(sliding, answer.impulses, row_impulses=answer.row_impulses))
+        self.assertFalse(check(sliding, answer.impulses, row_impulses=[0.0]))
+
     def test_bounded_rows_stand_beside_contacts(self):
         R = np.array([[1.0, 0, 0, 2], [0, 1, 0.5, 0], [-1, 0, 0, 1]])
         G, N, v = np.diag([2.0, 4, 5]), np.array([[0.0], [0], [1]]), np.array([1.0, 0, -1])
