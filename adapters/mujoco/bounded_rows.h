@@ -85,7 +85,7 @@ class MujocoRowNames {
       while (row > place && step.id[row - place - 1] == step.id[row]) ++place;
       const std::string name =
           object.kind + (equal ? " equality " : limit ? " limit " : " friction ") + object.name;
-      const int count = ++seen[name];
+      const int count = equal ? place + 1 : ++seen[name];  // others of its constraint may be left out
       rows.names.push_back(count == 1 ? name : name + " #" + std::to_string(count));
       rows.is_angle.push_back((equal && object.is_weld ? place >= 3 : object.is_angle) ? 1 : 0);
     }

