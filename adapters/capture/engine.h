@@ -39,7 +39,7 @@ struct BlockState {
   Eigen::VectorXd velocity;
 };
 
-/// The rows of a contact over the coordinates of all blocks. A joint's limit has no tangents.
+/// The rows of a contact over the coordinates of all blocks. One without friction has no tangents.
 struct Rows {
   std::vector<int> coordinates;
   Eigen::VectorXd normal;
@@ -67,6 +67,21 @@ struct ContactState {
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< the engine's, along normal, tangent, second tangent [N s]
 };
 
+/// A bounded row over the coordinates of all blocks, as BoundedRows has them.
+struct RowState {
+  std::vector<int> coordinates;
+  Eigen::VectorXd direction;
+  double lower = 0;
+  double upper = 0;
+  double offset = 0;  ///< b
+  double compliance = 0;
+  int friction_of = -1;  ///< the row whose impulse, times mu, bounds this one
+  double mu = 0;
+  bool is_angle = false;
+  std::string name;
+  double impulse = 0;  ///< the engine's [N s, N m s]
+};
+
 struct Pose {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -77,6 +92,7 @@ struct Snapshot {
   std::vector<BodyState> bodies;
   std::vector<BlockState> blocks;
   std::vector<ContactState> contacts;
+  std::vector<RowState> rows;  ///< of blocks
   std::vector<Pose> poses;  ///< of the scene's parts, for pictures
   std::vector<Eigen::Vector3d> marks;  ///< places of Scene::marks [m]
   Eigen::VectorXd correction;      ///< of positions, beside h velocity: by a solver in the loop, or empty

@@ -45,10 +45,10 @@ RigidScene rigid_scene(const Snapshot& snapshot) {
 /// Columns that are filled one after the other.
 class Columns {
  public:
-  void add(const Rows& rows, const Eigen::VectorXd& values, double sign) {
-    for (std::size_t k = 0; k < rows.coordinates.size(); ++k) {
+  void add(const std::vector<int>& coordinates, const Eigen::VectorXd& values, double sign) {
+    for (std::size_t k = 0; k < coordinates.size(); ++k) {
       const double value = sign * values(static_cast<Index>(k));
-      if (value != 0) entries_.emplace_back(rows.coordinates[k], count_, value);
+      if (value != 0) entries_.emplace_back(coordinates[k], count_, value);
     }
     ++count_;
   }
@@ -62,6 +62,30 @@ class Columns {
   std::vector<Eigen::Triplet<double>> entries_;
   int count_ = 0;
 };
+
+BoundedRows bounded_rows(const std::vector<RowState>& states, Index coordinates) {
+  BoundedRows rows;
+  Columns R;
+  const auto count = static_cast<Index>(states.size());
+  rows.bounds = {Vector(count), Vector(count), std::vector<int>(states.size()), Vector(count)};
+  Vector b(count), compliance(count);
+  for (Index i = 0; i < count; ++i) {
+    const RowState& state = states[static_cast<std::size_t>(i)];
+    R.add(state.coordinates, state.direction, 1);
+    rows.bounds.lower(i) = state.lower;
+    rows.bounds.upper(i) = state.upper;
+    b(i) = state.offset;
+    compliance(i) = state.compliance;
+    rows.bounds.friction_of[static_cast<std::size_t>(i)] = state.friction_of;
+    rows.bounds.mu(i) = state.mu;
+    rows.is_angle.push_back(state.is_angle ? 1 : 0);
+    rows.names.push_back(state.name);
+  }
+  rows.R = R.matrix(coordinates);
+  if (!b.isZero(0)) rows.b = b;
+  if (!compliance.isZero(0)) rows.compliance = compliance;
+  return rows;
+}
 
 ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
   ContactProblem problem;
@@ -82,7 +106,7 @@ ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
   for (const ContactState& contact : snapshot.contacts) {
     const auto i = static_cast<Index>(problem.edges.size());
     const Rows& rows = *contact.rows;
-    N.add(rows, rows.normal, 1);
+    N.add(rows.coordinates, rows.normal, 1);
     problem.edges.push_back(contact.edges);
     b(i) = contact.offset;
     compliance_n(i) = contact.compliance_n;
@@ -91,12 +115,13 @@ ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
     offset_t.segment<2>(2 * i) = contact.offset_t;
     problem.mu(i) = contact.mu;
     for (const double sign : {1.0, -1.0}) {
-      D.add(rows, rows.tangent, sign);
-      if (contact.edges == 4) D.add(rows, rows.second_tangent, sign);
+      D.add(rows.coordinates, rows.tangent, sign);
+      if (contact.edges == 4) D.add(rows.coordinates, rows.second_tangent, sign);
     }
   }
   problem.N = N.matrix(size);
   problem.D = D.matrix(size);
+  if (!snapshot.rows.empty()) problem.rows = bounded_rows(snapshot.rows, size);
   if (!b.isZero(0)) problem.b = b;
   if (!compliance_n.isZero(0)) problem.compliance_n = compliance_n;
   if (!compliance_t.isZero(0)) problem.compliance_t = compliance_t;

@@ -1,6 +1,6 @@
 // The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK SOFT MARKS COMMAND. It
-// runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts, and one that fails, into
-// FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver. With TRACK, a file
+// runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts or bounded rows, and one that
+// fails, into FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver. With TRACK, a file
 // too, it is a replay: every step is measured (track.h), steps without contacts and the last one are written too, and
 // TRACK says which failure ended it. With SOFT, contacts are the softened ones that the engine itself solves. MARKS names
 // what of MODEL is measured, see read_marks(). COMMAND starts an engine that is a program of the user's. MODEL, TRACK,
@@ -135,12 +135,19 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
     const int index = write_contact(file, contact);
     lcpbench_capture_soft(file, contact.compliance_n, contact.compliance_t, contact.offset_t(0), contact.offset_t(1));
     lcpbench_capture_gap(file, index, contact.gap);
-    if (contact.rows && !contact.normal.isZero(0)) {  // of a joint's limit it is
+    if (contact.rows && !contact.normal.isZero(0)) {
       lcpbench_capture_frame(file, index, contact.point.data(), contact.normal.data(), contact.tangent.data());
     }
     if (snapshot.has_impulses) {
       lcpbench_capture_impulse(file, index, contact.impulse(0), contact.impulse(1), contact.impulse(2));
     }
+  }
+  for (const RowState& row : snapshot.rows) {
+    const int index = lcpbench_capture_row(file, static_cast<int>(row.coordinates.size()), row.coordinates.data(),
+                                           row.direction.data(), row.lower, row.upper, row.offset, row.compliance,
+                                           row.is_angle ? "rad" : "m", row.name.c_str());
+    if (row.friction_of >= 0) lcpbench_capture_row_friction(file, row.friction_of, row.mu);
+    if (snapshot.has_impulses) lcpbench_capture_row_impulse(file, index, row.impulse);
   }
   if (snapshot.velocity_after.size() > 0) {
     lcpbench_capture_velocity(file, static_cast<int>(snapshot.velocity_after.size()), snapshot.velocity_after.data());
@@ -246,7 +253,7 @@ int run(const Arguments& arguments) {
       if (failure.empty()) failure = ended;
     }
     const bool wanted = !failure.empty() || step % arguments.every == 0 || (replay && step == steps - 1);
-    if (wanted && (replay || !snapshot.contacts.empty())) {
+    if (wanted && (replay || !snapshot.contacts.empty() || !snapshot.rows.empty())) {
       if (replay && !snapshot.velocity_after.allFinite()) {  // the simulation blew up; files hold finite numbers only
         snapshot.velocity_after.resize(0);
         snapshot.has_impulses = false;

@@ -54,7 +54,7 @@ Eigen::VectorXd StepLoop::operator()(Snapshot& snapshot) {
   const double start = thread_cpu_clock_s();
   stepper_->step(step, answer_);
   cpu_s_ = thread_cpu_clock_s() - start + answer_.elsewhere_s;
-  claim_ = snapshot.contacts.empty() ? "none" : to_string(answer_.claim);
+  claim_ = snapshot.contacts.empty() && snapshot.rows.empty() ? "none" : to_string(answer_.claim);
   const bool answered = answer_.velocity.size() > 0 && (use_ == Use::kReplay || answer_.claim == Claim::kSolved);
   if (answered) {
     snapshot.correction = answer_.correction;

@@ -1,6 +1,7 @@
 #include "adapters/external/model_engine.h"
 
 #include <filesystem>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -14,14 +15,21 @@ namespace {
 
 std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
 
+Eigen::VectorXd column(const Jacobian& J, Index i) {
+  return std::visit([&](const auto& matrix) { return Eigen::VectorXd(matrix.col(i)); }, J);
+}
+
+std::vector<int> all_coordinates(Index count) {
+  std::vector<int> result(static_cast<std::size_t>(count));
+  std::iota(result.begin(), result.end(), 0);
+  return result;
+}
+
 /// The columns of N and D of a contact.
 Rows rows_of(const ContactProblem& problem, Index contact, Index direction) {
-  const auto column = [](const Jacobian& J, Index i) {
-    return std::visit([&](const auto& matrix) { return Eigen::VectorXd(matrix.col(i)); }, J);
-  };
   Rows rows;
   rows.normal = column(problem.N, contact);
-  for (int i = 0; i < rows.normal.size(); ++i) rows.coordinates.push_back(i);
+  rows.coordinates = all_coordinates(rows.normal.size());
   if (problem.edges[static_cast<std::size_t>(contact)] == 0) return rows;
   rows.tangent = column(problem.D, direction);
   rows.second_tangent = column(problem.D, direction + 1);
@@ -62,13 +70,15 @@ class ModelEngine final : public AskedEngine {
   void take(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     const Json answer = ask({{"verb", "step"}, {"loop", static_cast<bool>(loop)}});
     const JsonObject told(answer, origin());
-    told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "velocity", "solve_s", "frames", "notes"});
+    told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "row_impulses", "velocity", "solve_s", "frames",
+               "notes"});
     const Problem problem = problem_of_json(told.value("problem"), origin());
     if (problem.contact() == nullptr || problem.kind() != ProblemKind::kContact) {
       told.fail("problem", ": expected one of kind contact");
     }
     add_blocks(*problem.contact(), told, snapshot);
     add_contacts(*problem.contact(), told, snapshot);
+    add_rows(problem.contact()->rows, told, snapshot);
     for (const Vector& pose : told.rows("poses")) {
       if (pose.size() != 7) told.fail("poses", ": expected 7 numbers each");
       snapshot.poses.push_back({pose.head<3>(), Eigen::Quaterniond(pose(3), pose(4), pose(5), pose(6))});
@@ -144,6 +154,27 @@ class ModelEngine final : public AskedEngine {
         contact.impulse = impulses[at];
       }
       snapshot.contacts.push_back(std::move(contact));
+    }
+  }
+
+  static void add_rows(const BoundedRows& rows, const JsonObject& told, Snapshot& snapshot) {
+    Vector impulses = Vector::Zero(rows.size());
+    if (snapshot.has_impulses && rows.size() > 0) impulses = told.vector("row_impulses", rows.size());
+    for (Index i = 0; i < rows.size(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      RowState row;
+      row.direction = column(rows.R, i);
+      row.coordinates = all_coordinates(row.direction.size());
+      row.lower = rows.bounds.lower(i);
+      row.upper = rows.bounds.upper(i);
+      row.offset = rows.offset(i);
+      row.compliance = rows.yields(i);
+      row.friction_of = rows.bounds.friction_of[at];
+      row.mu = rows.bounds.mu(i);
+      row.is_angle = rows.is_angle[at] != 0;
+      if (!rows.names.empty()) row.name = rows.names[at];
+      row.impulse = impulses(i);
+      snapshot.rows.push_back(std::move(row));
     }
   }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include <mujoco/mujoco.h>
 
 #include "adapters/capture/engine.h"
+#include "adapters/mujoco/bounded_rows.h"
 #include "adapters/mujoco/coordinates.h"
 #include "adapters/mujoco/model_text.h"
 #include "core/error.h"
@@ -26,7 +28,6 @@ namespace {
 
 using Eigen::Vector3d;
 using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 Vector3d vector(const mjtNum* values) { return Eigen::Map<const Vector3d>(values); }
 
@@ -116,6 +117,26 @@ Drawn hull(const Eigen::Matrix3Xd& corners) {
   return drawn;
 }
 
+MujocoRowNames row_names(const mjModel& model) {
+  return MujocoRowNames({.njnt = model.njnt,
+                         .nv = model.nv,
+                         .ntendon = model.ntendon,
+                         .neq = model.neq,
+                         .names = model.names,
+                         .name_jntadr = model.name_jntadr,
+                         .name_tendonadr = model.name_tendonadr,
+                         .name_eqadr = model.name_eqadr,
+                         .jnt_type = model.jnt_type,
+                         .jnt_dofadr = model.jnt_dofadr,
+                         .dof_jntid = model.dof_jntid,
+                         .tendon_adr = model.tendon_adr,
+                         .tendon_num = model.tendon_num,
+                         .wrap_type = model.wrap_type,
+                         .wrap_objid = model.wrap_objid,
+                         .eq_type = model.eq_type,
+                         .eq_obj1id = model.eq_obj1id});
+}
+
 /// Runs a scene, or a model file of MuJoCo's, and captures each step as a contact problem, in SI units. Ordinarily
 /// contacts and limits are hard and equality constraints hold exactly, so that MuJoCo's own velocity solves another,
 /// softer problem. With Scene::soft it is the convex problem that MuJoCo solves. The integrator is Euler's. What else
@@ -132,6 +153,7 @@ class MujocoEngine final : public Engine {
     integrator_ = integrators[std::clamp(model_->opt.integrator, 0, 2)];
     model_->opt.integrator = mjINT_EULER;
     data_.reset(mj_makeData(model_.get()));
+    row_names_ = row_names(*model_);
     if (scene.elliptic) model_->opt.cone = mjCONE_ELLIPTIC;
     choose_solver();
     moving_of_.assign(static_cast<std::size_t>(model_->nbody), kWorld);
@@ -190,7 +212,12 @@ class MujocoEngine final : public Engine {
     note(snapshot);
     if (!scene_.soft.empty()) return step_softly(snapshot);
     const Coordinates coordinates(*model_, *data_);
-    const Eigen::VectorXd forces = numbers(data_->qfrc_smooth, model_->nv) + found_friction();
+    const MujocoBoundedRows bounded = hard_rows(row_arrays(), *row_names_, step_length());
+    if (bounded.repeated_rows > 0) {
+      snapshot.notes.push_back(
+          fmt::format("rows of equality constraints that repeat others, left out: {}", bounded.repeated_rows));
+    }
+    const Eigen::VectorXd forces = numbers(data_->qfrc_smooth, model_->nv) + found_friction() + bounded.other;
     const Eigen::VectorXd velocity =
         numbers(data_->qvel, model_->nv) + step_length() * coordinates.accelerations(forces);
     look_at_poses(snapshot);
@@ -201,19 +228,19 @@ class MujocoEngine final : public Engine {
     } else {
       snapshot.blocks = coordinates.states(velocity);
       look_at_contacts(&coordinates, static_cast<bool>(loop), snapshot);
-      look_at_limits(coordinates, snapshot);
+      keep(bounded, snapshot);
     }
     if (loop) {
       const Eigen::VectorXd after = loop(snapshot);
       const Eigen::VectorXd moving = moving_velocity(after, snapshot, step_length());
       if (free_bodies_) return move_on(velocities_of_bodies(after), velocities_of_bodies(moving));
-      return move_on(coordinates.full(after, model_->nv), coordinates.full(moving, model_->nv));
+      return move_on(after, moving);
     }
     mj_Euler(model_.get(), data_.get());
     if (free_bodies_) {
       keep_body_velocities(snapshot);
     } else {
-      snapshot.velocity_after = coordinates.reduced(numbers(data_->qvel, model_->nv));
+      snapshot.velocity_after = numbers(data_->qvel, model_->nv);
     }
     snapshot.has_impulses = true;
   }
@@ -236,13 +263,47 @@ class MujocoEngine final : public Engine {
     return corners;
   }
 
-  /// Of hard contacts the friction that is no part of the problem, as MuJoCo found it: that of joints and tendons, and
-  /// torsional and rolling friction of contacts.
+  MujocoRowArrays row_arrays() const {
+    const auto limits = [](int type) { return type == mjCNSTR_LIMIT_JOINT || type == mjCNSTR_LIMIT_TENDON; };
+    return {.J = Eigen::Map<const RowMatrix>(data_->efc_J, data_->nefc, model_->nv),
+            .ne = data_->ne,
+            .nf = data_->nf,
+            .nl = static_cast<int>(std::count_if(data_->efc_type, data_->efc_type + data_->nefc, limits)),
+            .type = data_->efc_type,
+            .id = data_->efc_id,
+            .force = data_->efc_force,
+            .pos = data_->efc_pos,
+            .frictionloss = data_->efc_frictionloss,
+            .R = data_->efc_R};
+  }
+
+  static void keep(const MujocoBoundedRows& found, Snapshot& snapshot) {
+    const BoundedRows& rows = found.rows;
+    const auto& R = std::get<Matrix>(rows.R);
+    for (Index i = 0; i < rows.size(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      RowState row{.coordinates = {},
+                   .direction = {},
+                   .lower = rows.bounds.lower(i),
+                   .upper = rows.bounds.upper(i),
+                   .offset = rows.offset(i),
+                   .compliance = rows.yields(i),
+                   .is_angle = rows.is_angle[at] != 0,
+                   .name = rows.names[at],
+                   .impulse = found.impulses(i)};
+      for (int k = 0; k < R.rows(); ++k) {
+        if (R(k, i) != 0) row.coordinates.push_back(k);
+      }
+      row.direction = R.col(i)(row.coordinates);
+      snapshot.rows.push_back(std::move(row));
+    }
+  }
+
+  /// Of hard contacts the friction that is no part of the problem, as MuJoCo found it: torsional and rolling friction.
   Eigen::VectorXd found_friction() const {
     const Eigen::Map<const RowMatrix> J(data_->efc_J, data_->nefc, model_->nv);
     const mjtNum* const force = data_->efc_force;
-    const int first = data_->ne, lost = data_->nf;
-    Eigen::VectorXd found = J.middleRows(first, lost).transpose() * numbers(force + first, lost);
+    Eigen::VectorXd found = Eigen::VectorXd::Zero(model_->nv);
     for (int i = 0; i < data_->ncon; ++i) {
       const mjContact& contact = data_->contact[i];
       if (contact.efc_address < 0) continue;
@@ -259,12 +320,12 @@ class MujocoEngine final : public Engine {
     return found;
   }
 
-  /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid, and each
-  /// joint's limit, is a frictionless contact with the compliance R of its row. Its force f asks that
-  /// J a - a_ref + R f >= 0. With a = (v+ - v) / h, times h, this is J v+ + b + R (h f) >= 0 with the offset
-  /// b = -(J v + h a_ref). An elliptic cone is one contact with friction in the convex model: the same expression of
-  /// its normal and its two tangential rows is in the dual cone. Friction loss, and torsional and rolling friction of
-  /// elliptic cones, act as the forces that MuJoCo found; a pyramid has edges for these frictions.
+  /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid is a
+  /// frictionless contact with the compliance R of its row. Its force f asks that J a - a_ref + R f >= 0. With
+  /// a = (v+ - v) / h, times h, this is J v+ + b + R (h f) >= 0 with the offset b = -(J v + h a_ref). Equality constraints,
+  /// friction loss and limits are bounded rows alike. An elliptic cone is one contact with friction in the convex model:
+  /// the same expression of its normal and its two tangential rows is in the dual cone. Its torsional and rolling friction
+  /// acts as the forces that MuJoCo found; a pyramid has edges for these frictions.
   void step_softly(Snapshot& snapshot) {
     const double h = step_length();
     const int nv = model_->nv;
@@ -275,13 +336,14 @@ class MujocoEngine final : public Engine {
     Eigen::VectorXd momentum(nv);
     mj_mulM(model_.get(), data_.get(), momentum.data(), before.data());
     momentum += h * numbers(data_->qfrc_smooth, nv);
-    for (int row = 0; row < data_->ne; ++row) momentum += J.row(row).transpose() * (target(row) / data_->efc_R[row]);
-    for (int row = data_->ne; row < data_->nefc; ++row) {
+    const MujocoRowArrays arrays = row_arrays();
+    for (int row = arrays.count(); row < data_->nefc; ++row) {
       if (is_given_force(row)) momentum += J.row(row).transpose() * (h * data_->efc_force[row]);
     }
     snapshot.blocks = coordinates.states(coordinates.accelerations(momentum));
     look_at_poses(snapshot);
-    for (int row = data_->ne; row < data_->nefc; ++row) {
+    keep(soft_rows(arrays, *row_names_, target, h), snapshot);
+    for (int row = arrays.count(); row < data_->nefc; ++row) {
       if (is_given_force(row)) continue;
       const int type = data_->efc_type[row], id = data_->efc_id[row];
       const int count = type == mjCNSTR_CONTACT_ELLIPTIC ? std::min(data_->contact[id].dim, 3) : 1;
@@ -290,11 +352,7 @@ class MujocoEngine final : public Engine {
       edge.gap = data_->efc_pos[row];
       edge.offset = -target(row);
       edge.compliance_n = data_->efc_R[row];
-      if (type == mjCNSTR_LIMIT_JOINT || type == mjCNSTR_LIMIT_TENDON) {
-        edge.pair = pair_of_limit(row);
-      } else {
-        tell_pair(data_->contact[id], edge);
-      }
+      tell_pair(data_->contact[id], edge);
       edge.impulse(0) = h * data_->efc_force[row];
       RowMatrix rows = J.middleRows(row, count);
       if (count > 1) {
@@ -304,7 +362,7 @@ class MujocoEngine final : public Engine {
       edge.rows = coordinates.rows(rows);
       snapshot.contacts.push_back(std::move(edge));
     }
-    snapshot.velocity_after = coordinates.reduced(before + h * numbers(data_->qacc, nv));
+    snapshot.velocity_after = before + h * numbers(data_->qacc, nv);
     snapshot.has_impulses = true;
     mj_Euler(model_.get(), data_.get());
   }
@@ -327,18 +385,14 @@ class MujocoEngine final : public Engine {
       add("contacts with two coefficients of sliding friction: the second tangent is scaled",
           contacts([](const mjContact& each) { return each.dim > 1 && each.friction[0] != each.friction[1]; }));
     }
-    add("rows of friction of joints and tendons, as the force that MuJoCo found", data_->nf);
-    if (!soft) add("rows of equality constraints, which hold exactly", data_->ne);
     add("contacts that MuJoCo found and did not solve, left out",
         std::count_if(data_->contact, data_->contact + data_->ncon,
                       [](const mjContact& each) { return each.efc_address < 0 && each.exclude < 3; }));  // 3: a tie
   }
 
-  /// Of a soft problem: friction loss of joints and tendons, and torsional and rolling friction of elliptic cones.
+  /// Of a soft problem: torsional and rolling friction of elliptic cones.
   bool is_given_force(int row) const {
-    const int type = data_->efc_type[row];
-    if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) return true;
-    return type == mjCNSTR_CONTACT_ELLIPTIC && row - data_->contact[data_->efc_id[row]].efc_address > 2;
+    return data_->efc_type[row] == mjCNSTR_CONTACT_ELLIPTIC && row - data_->contact[data_->efc_id[row]].efc_address > 2;
   }
 
   /// The problem has one coefficient of friction mu along both tangents: the second one is scaled by what is returned.
@@ -634,12 +688,6 @@ class MujocoEngine final : public Engine {
     return model_->body_geomnum[body] == 1 ? of : fmt::format("{} (geom {})", of, geom);
   }
 
-  std::string pair_of_limit(int row) const {
-    const bool joint = data_->efc_type[row] == mjCNSTR_LIMIT_JOINT;
-    const std::string own = name(joint ? mjOBJ_JOINT : mjOBJ_TENDON, data_->efc_id[row]);
-    return "limit of " + (own.empty() ? fmt::format("{} {}", joint ? "joint" : "tendon", data_->efc_id[row]) : own);
-  }
-
   void keep_contacts_within_margin() {
     for (int geom = 0; geom < model_->ngeom; ++geom) {
       mjtNum& margin = model_->geom_margin[geom];
@@ -684,25 +732,9 @@ class MujocoEngine final : public Engine {
     }
   }
 
-  /// Limits of joints and tendons: rows without friction.
-  void look_at_limits(const Coordinates& coordinates, Snapshot& snapshot) {
-    for (int row = 0; row < data_->nefc; ++row) {
-      const int type = data_->efc_type[row];
-      if (type != mjCNSTR_LIMIT_JOINT && type != mjCNSTR_LIMIT_TENDON) continue;
-      ContactState limit;
-      limit.edges = 0;
-      limit.gap = data_->efc_pos[row];
-      limit.offset = contact_offset(limit.gap, step_length(), 0, 0);
-      limit.pair = pair_of_limit(row);
-      limit.impulse(0) = step_length() * data_->efc_force[row];
-      limit.rows = coordinates.rows(
-          Eigen::Map<const RowMatrix>(data_->efc_J + static_cast<std::ptrdiff_t>(row) * model_->nv, 1, model_->nv));
-      snapshot.contacts.push_back(std::move(limit));
-    }
-  }
-
   Model model_;
   std::unique_ptr<mjData, Free> data_;
+  std::optional<MujocoRowNames> row_names_;
   bool free_bodies_ = false;
   std::string integrator_;             ///< the model's, where it is not Euler's
   std::vector<int> ids_;               ///< MuJoCo's, of the scene's bodies

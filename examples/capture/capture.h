@@ -83,7 +83,7 @@ static inline int lcpbench_capture_contact(lcpbench_capture* c, int body_a, int 
 static inline int lcpbench_capture_block(lcpbench_capture* c, int n, const double* G, const double* v);
 
 /* A contact of blocks; returns its index. Its Jacobian's rows have `entries` numbers each, at these coordinates, none
- * of them named twice. tangent1 NULL: frictionless, as a joint's limit is. edges: an even number, 0 for frictionless;
+ * of them named twice. tangent1 NULL: frictionless. edges: an even number, 0 for frictionless;
  * the friction directions are at equal angles, beginning with tangent1 and turning to tangent2. */
 static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const int* coordinates, const double* normal,
                                         const double* tangent1, const double* tangent2, double mu, int edges, double b,

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "core/error.h"
 #include "core/registry.h"
+#include "core/selection.h"
 #include "native/steppers/define_stepper.h"
 
 namespace lcpbench {
@@ -41,8 +43,13 @@ double position_offset(double gap, double approach, double deepest, double h) {
   return -std::max(kCorrectedShare * excess, std::min(excess, tolerated_excess(h)));
 }
 
-/// Bodies and contacts at rest, without friction, with these offsets.
-Problem displaced(const Problem& problem, const Vector& offsets) {
+Vector along_columns(const Jacobian& J, const Vector& u) {
+  return std::visit([&](const auto& matrix) { return Vector(matrix.transpose() * u); }, J);
+}
+
+/// Bodies and contacts at rest, without friction, with these offsets. Joints stay closed, and their limits leave what
+/// `velocity` leaves of their gaps in a step of length h.
+Problem displaced(const Problem& problem, const Vector& offsets, const Vector& velocity, double h) {
   if (const RigidScene* scene = problem.scene()) {
     RigidScene result = *scene;
     for (RigidBody& body : result.bodies) body.linear_velocity = body.angular_velocity = Eigen::Vector3d::Zero();
@@ -59,11 +66,23 @@ Problem displaced(const Problem& problem, const Vector& offsets) {
   result.mu.setZero();
   result.D = SparseMatrix(result.ngc(), 0);
   result.b = offsets;
+  if (!result.has_rows()) return {"", std::move(result)};
+  std::vector<Index> kept;  // without dry friction, motors and brakes
+  for (Index i = 0; i < result.rows.size(); ++i) {
+    const double lower = result.rows.bounds.lower(i), upper = result.rows.bounds.upper(i);
+    if (result.rows.bounds.friction_of[static_cast<std::size_t>(i)] < 0 && std::isinf(upper - lower)) kept.push_back(i);
+  }
+  result = select_rows(result, kept);
+  BoundedRows& rows = result.rows;
+  const Vector left = along_columns(rows.R, velocity);
+  Vector b = Vector::Zero(rows.size());
+  for (Index i = 0; i < rows.size(); ++i) {
+    const double gap = h * (left(i) + rows.offset(i));
+    if (!rows.bounds.is_free(i)) b(i) = rows.bounds.lower(i) == 0 ? std::max(0.0, gap) : std::min(0.0, gap);
+  }
+  rows.b = std::move(b);
+  rows.compliance.resize(0);
   return {"", std::move(result)};
-}
-
-Vector along_normals(const ContactProblem& contact, const Vector& u) {
-  return std::visit([&](const auto& N) { return Vector(N.transpose() * u); }, contact.N);
 }
 
 /// A solver with the answer to its last problem.
@@ -130,7 +149,7 @@ class Exact : public Stepper {
     answer = {};
     const Problem problem = std::visit([](const auto& contacts) { return Problem("", contacts); }, step.contacts);
     const ContactProblem& contact = *problem.contact();
-    if (contact.nc() == 0) {
+    if (contact.nc() == 0 && !contact.has_rows()) {
       answer.velocity = contact.v;
       answer.claim = Claim::kSolved;
       return;
@@ -141,7 +160,7 @@ class Exact : public Stepper {
     const auto velocity = velocity_of(problem);
     if (!velocity) return;
     answer.velocity = *velocity;
-    if (settings_.project) correct(problem, step, answer);
+    if (settings_.project && contact.nc() > 0) correct(problem, step, answer);
   }
 
  private:
@@ -158,18 +177,18 @@ class Exact : public Stepper {
   void correct(const Problem& found, const StepProblem& step, StepAnswer& answer) {
     const double deepest = -*std::min_element(step.gaps.begin(), step.gaps.end());
     if (!(deepest > allowed_depth(step.h) + tolerated_excess(step.h))) return;
-    Vector offsets = step.h * along_normals(*found.contact(), answer.velocity);
+    Vector offsets = step.h * along_columns(found.contact()->N, answer.velocity);
     for (Index i = 0; i < offsets.size(); ++i) {
       offsets(i) = position_offset(step.gaps[static_cast<std::size_t>(i)], offsets(i), deepest, step.h);
     }
-    const Problem problem = displaced(found, offsets);
+    const Problem problem = displaced(found, offsets, answer.velocity, step.h);
     positions_->load(problem);
     positions_->solve({.time_limit_s = settings_.time_limit}, answer_);
     const auto change = velocity_of(problem);
     if (!change) return;
     answer.correction = *change;
     // What cannot be corrected, as a body in a gap that is too narrow, must not be thrown out.
-    const double farthest = along_normals(*problem.contact(), answer.correction).lpNorm<Eigen::Infinity>();
+    const double farthest = along_columns(problem.contact()->N, answer.correction).lpNorm<Eigen::Infinity>();
     if (farthest > deepest) answer.correction *= deepest / farthest;
   }
 

@@ -25,10 +25,11 @@ class Audit:
     taken out of the collisions, although both collide; "no impulse", the engine's answer has none there and its motion
     runs into them: it dropped them, or its solver had not come to them yet, as after few sweeps."""
 
-    found: int  #: contacts, and limits of joints and tendons
+    found: int  #: contacts
     solved: int  #: those of them that the engine solved
-    missing: dict[str, list[str]]  #: by cause the names of contacts that would act
-    velocity_error: dict[str, float]  #: by cause the largest change at any contact if its contacts were solved [m/s]
+    missing: dict[str, list[str]]  #: by cause the names of contacts, and of bounded rows, that would act
+    #: by cause the largest change at any contact or bounded row if these were solved [m/s, rad/s]
+    velocity_error: dict[str, float]
 
     def __str__(self) -> str:
         lines = [f"{self.solved} of {self.found} contacts solved"]
@@ -40,20 +41,34 @@ class Audit:
         return "\n".join(lines)
 
 
-def _part(problem: Problem, kept: np.ndarray) -> Problem:
-    """The same bodies with these contacts alone."""
-    edges = np.asarray(problem.edges)
+def _matrix(J: Any) -> np.ndarray:
+    return np.asarray(J.toarray() if hasattr(J, "toarray") else J)
+
+
+def _rows_part(rows: Any, kept: np.ndarray) -> Any:
+    """These bounded rows alone, none of which bounds another."""
+    if rows is None or kept.all():
+        return rows
+    part = {key: [each for each, stays in zip(rows[key], kept) if stays]
+            for key in ("lower", "upper", "b", "compliance", "unit", "names")}
+    return {"R": _matrix(rows["R"])[:, kept], **part}
+
+
+def _part(problem: Problem, kept: np.ndarray, kept_rows: np.ndarray) -> Problem:
+    """The same bodies with these contacts and bounded rows alone."""
+    edges = np.asarray(problem.edges, dtype=int)
     columns, twice = np.repeat(kept, edges), np.repeat(kept, 2)
     inertia = {"Ginv": problem.Ginv} if problem.G is None else {"G": problem.G}
     return Problem(**inertia, N=problem.N[:, kept], D=problem.D[:, columns], edges=edges[kept], mu=problem.mu[kept],
                    v=problem.v, b=problem.b[kept], compliance_n=problem.compliance_n[kept],
-                   compliance_t=problem.compliance_t[kept], offset_t=problem.offset_t[twice], rows=problem.rows,
+                   compliance_t=problem.compliance_t[kept], offset_t=problem.offset_t[twice], rows=_rows_part(problem.rows, kept_rows),
                    name=problem.name)
 
 
 def _change(problem: Problem, dv: np.ndarray) -> float:
-    """The largest change along a normal or a direction of friction [m/s]; dv of the problem's coordinates."""
-    return float(np.abs(np.concatenate([problem.N.T @ dv, problem.D.T @ dv])).max(initial=0.0))
+    """The largest change along a normal, a direction of friction or a bounded row; dv of the problem's coordinates."""
+    J = [problem.N, problem.D] + ([] if problem.rows is None else [problem.rows["R"]])
+    return float(np.abs(np.concatenate([each.T @ dv for each in J])).max(initial=0.0))
 
 
 def _solved(problems: list[Problem | Step], solver: str = "auto") -> list[Answer]:
@@ -100,10 +115,15 @@ def audit(problem: Problem | Step, solved: Any = None) -> Audit:
     solved = np.asarray(solved)
     if solved.shape != (whole.nc,) or solved.dtype != bool:
         raise InputError(f"solved has shape {solved.shape} of {solved.dtype}, expected ({whole.nc},) of bool")
-    if solved.all():
+    return _missing(whole, names, cause, solved, np.full(0 if whole.rows is None else len(whole.rows["unit"]), True))
+
+
+def _missing(whole: Problem, names: list[str], cause: str, solved: np.ndarray, solved_rows: np.ndarray) -> Audit:
+    if solved.all() and solved_rows.all():
         return Audit(whole.nc, whole.nc, {}, {})
-    with_all, without = _solved([whole, _part(whole, solved)], "auto{impulses=even}")
+    with_all, without = _solved([whole, _part(whole, solved, solved_rows)], "auto{impulses=even}")
     left = [names[i] for i in np.flatnonzero(~solved & (with_all.normal_impulses > 0))]
+    left += [whole.rows["names"][i] for i in np.flatnonzero(~solved_rows & (with_all.row_impulses != 0))]
     if not left:
         return Audit(whole.nc, int(solved.sum()), {}, {})
     return Audit(whole.nc, int(solved.sum()), {cause: left},
@@ -188,14 +208,20 @@ def of_mujoco(model: Any, data: Any, *, njmax: int | None = None, nconmax: int |
     whole = capture(roomy, found, stepped=False)
     names = whole.contact_ids or []
     own, dropped = _forward(model, state)
-    kept = np.isin(names, capture(model, own, stepped=False).contact_ids) if dropped else np.full(len(names), True)
-    contacts, first = np.flatnonzero(found.contact.efc_address >= 0), found.ne + found.nf
+    row_names = [] if whole.problem.rows is None else whole.problem.rows["names"]
+    kept, kept_rows = np.full(len(names), True), np.full(len(row_names), True)
+    if dropped:
+        step = capture(model, own, stepped=False)
+        kept = np.isin(names, step.contact_ids)
+        kept_rows = np.isin(row_names, [] if step.problem.rows is None else step.problem.rows["names"])
+    contacts = np.flatnonzero(found.contact.efc_address >= 0)
     ends = np.append(found.contact.efc_address[contacts], found.nefc)[1:]
-    if njmax is not None:  # of contacts, then of limits: in this order the problem has them
-        kept &= np.concatenate([ends, first + 1 + np.arange(found.nl)]) <= njmax
+    if njmax is not None:  # bounded rows come first; of equality constraints those that repeat others are no rows
+        kept &= ends <= njmax
+        kept_rows &= np.arange(len(row_names)) + found.ne + found.nf + found.nl - len(row_names) < njmax
     if nconmax is not None:
-        kept[: len(contacts)] &= contacts < nconmax
-    result, before = audit(whole, kept), None
+        kept &= contacts < nconmax
+    result, before = _missing(whole.problem, names, "limit", kept, kept_rows), None
     for cause in ("margin", "excluded"):
         other = copy.copy(roomy)
         if cause == "margin":

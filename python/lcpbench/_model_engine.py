@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _native
 from ._files import pose_rows, rows
-from .mujoco import _dense_rows, _null_space, capture, shapes
+from .mujoco import capture, shapes
 
 MARGIN = 1e-4  # [m] up to which a solver in the loop gets open contacts
 
@@ -55,8 +55,6 @@ class _Engine:
             np.maximum(model.geom_margin, MARGIN + model.geom_gap, out=model.geom_margin)
         mujoco.mj_forward(model, data)
         marks = [each.tolist() for each in self._marks]
-        if loop:
-            self._Z = _null_space(data, _dense_rows(model, data))
         rk4 = not loop and model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         if not loop and not rk4:
             euler = model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
@@ -68,15 +66,14 @@ class _Engine:
                  "ids": step.contact_ids, "frames": rows(step.contact_frames), "marks": marks,
                  "poses": pose_rows(step.poses[self._drawn]).tolist(), "notes": step.notes}
         if not loop:
-            reply.update(impulses=step.impulses.tolist(), velocity=step.velocity.tolist())
+            reply.update(impulses=step.impulses.tolist(), row_impulses=step.row_impulses.tolist(), velocity=step.velocity.tolist())
         return reply
 
     def place(self, velocity: list[float], moving: list[float]) -> dict[str, Any]:
-        """The velocity after the step, and the one that the bodies move along, in the problem's coordinates."""
+        """The velocity after the step, and the one that the bodies move along."""
         model, data = self._model, self._data
-        after, along = (np.array(each) if self._Z is None else self._Z @ each for each in (velocity, moving))
-        data.qvel[:] = after
-        mujoco.mj_integratePos(model, data.qpos, along, model.opt.timestep)
+        data.qvel[:] = velocity
+        mujoco.mj_integratePos(model, data.qpos, np.array(moving), model.opt.timestep)
         data.time += model.opt.timestep
         return {}
 

@@ -5,8 +5,8 @@
     answer = lcpbench.solve(step.problem)
 
 MuJoCo softens contacts on purpose. The problem is that of hard contacts, in which none of them gives way, or with
-`soft=True` the one that MuJoCo itself solves. Its coordinates are MuJoCo's velocities `qvel`; those of hard contacts
-leave out what equality constraints take away.
+`soft=True` the one that MuJoCo itself solves. Its coordinates are MuJoCo's velocities `qvel`. Equality constraints, limits
+and dry friction of joints and tendons are its bounded rows.
 """
 
 from __future__ import annotations
@@ -90,13 +90,17 @@ def _step_inertia(model: Any, data: Any, notes: _Notes) -> np.ndarray:
 
 class _Fixed:
     """What a model keeps from step to step, found once: `ends` of its kinematic trees' coordinates, the first coordinate
-    of each body that has some (`starts`), and the names of its geometries. A geometry without a name has that of its
-    body, with its index where the body has others; the last entry is that of a flex, which has the index -1."""
+    of each body that has some (`starts`), the names of its geometries and of its bounded rows (`rows`). A geometry
+    without a name has that of its body, with its index where the body has others; the last entry is that of a flex, which
+    has the index -1."""
 
     def __init__(self, model: Any) -> None:
         self.starts = np.flatnonzero(np.diff(model.dof_bodyid, prepend=-1))
         self.ends = [0, *(np.flatnonzero(np.diff(model.dof_treeid)) + 1).tolist(), model.nv]
         self.names = [self._name(model, i) for i in range(model.ngeom)] + ["flex"]
+        self.rows = _native.mujoco_row_names(model.names, (
+            model.name_jntadr, model.name_tendonadr, model.name_eqadr, model.jnt_type, model.jnt_dofadr, model.dof_jntid,
+            model.tendon_adr, model.tendon_num, model.wrap_type, model.wrap_objid, model.eq_type, model.eq_obj1id))
 
     @staticmethod
     def _name(model: Any, index: int) -> str:
@@ -138,23 +142,16 @@ def _columns(rows: np.ndarray) -> Any:
 
 
 def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
-    """The two geometries of a contact's row, "foot on floor", or the joint or tendon at its limit, by name."""
-    import mujoco
-
-    constraint, objects = mujoco.mjtConstraint, mujoco.mjtObj
-    limits = {int(constraint.mjCNSTR_LIMIT_JOINT): ("joint", objects.mjOBJ_JOINT),
-              int(constraint.mjCNSTR_LIMIT_TENDON): ("tendon", objects.mjOBJ_TENDON)}
+    """The two geometries of a contact's row, "foot on floor"."""
     names, geoms = _fixed(model).names, np.asarray(data.contact.geom).reshape(-1, 2).tolist()
-    types, ids = data.efc_type.tolist(), data.efc_id.tolist()
+    ids = data.efc_id.tolist()
+    return numbered(f"{names[geoms[ids[row]][1]]} on {names[geoms[ids[row]][0]]}" for row in rows)
 
-    def name(row: int) -> str:
-        index = ids[row]
-        if types[row] in limits:
-            kind, objects_of_kind = limits[types[row]]
-            return f"limit of {mujoco.mj_id2name(model, objects_of_kind, index) or f'{kind} {index}'}"
-        return f"{names[geoms[index][1]]} on {names[geoms[index][0]]}"
 
-    return numbered(map(name, rows))
+def _bounded(data: Any) -> tuple[Any, ...]:
+    """Of the rows beside contacts: how many equality constraints, frictions and limits have, and what they are."""
+    return (data.ne, data.nf, data.nl), (data.efc_type, data.efc_id, data.efc_force, data.efc_pos, data.efc_frictionloss,
+                                         data.efc_R)
 
 
 _warned: set[tuple[str, str, int]] = set()  # Python's own memory is lost when anybody changes the filters
@@ -206,9 +203,6 @@ def _note(model: Any, data: Any, soft: bool, notes: _Notes) -> None:
     if not soft and hasattr(contact, "surfacevel"):
         moving = np.asarray(contact.surfacevel).reshape(-1, 3)[solved].any(axis=1)
         notes.add("contacts whose surface has a velocity of its own, left out", np.count_nonzero(moving), warn=True)
-    notes.add("rows of friction of joints and tendons, as the force that MuJoCo found", data.nf)
-    if not soft:
-        notes.add("rows of equality constraints, which hold exactly", data.ne)
     notes.add("contacts that MuJoCo found and did not solve, left out",
               np.count_nonzero(~solved & (np.asarray(contact.exclude).ravel() < 3)))  # 3: of no coordinates, 4: a spring
     if hasattr(data, "tree_asleep"):
@@ -265,28 +259,13 @@ def _check_pair(model: Any, data: Any) -> None:
 
 
 def _frames(data: Any, rows: np.ndarray) -> np.ndarray:
-    """Point, normal and tangent of the contact of each row; NaN of a limit."""
-    result, touches = np.full((len(rows), 9), np.nan), rows >= data.ne + data.nf + data.nl  # contacts are the last ones
-    of = data.efc_id[rows[touches]]
-    result[touches, :3], result[touches, 3:] = data.contact.pos[of], data.contact.frame[of, :6]
-    return result
+    """Point, normal and tangent of the contact of each row."""
+    of = data.efc_id[rows]
+    return np.hstack([data.contact.pos[of], data.contact.frame[of, :6]])
 
 
 def _seen(data: Any) -> dict[str, Any]:
     return dict(time=float(data.time), poses=np.hstack([data.geom_xpos, data.geom_xmat]))
-
-
-def _null_space(data: Any, J: np.ndarray) -> np.ndarray | None:
-    """Z of the coordinates y in which the equality constraints hold, qvel = Z y; None where there are none."""
-    if data.ne == 0:
-        return None
-    # MuJoCo lets a chain come apart a little: rows that say the same then differ a little.
-    # Each constraint in units of its longest row: one of small coefficients is no copy of another.
-    lengths, equality = np.linalg.norm(J[: data.ne], axis=1), np.asarray(data.efc_id)[: data.ne]
-    longest = np.array([lengths[equality == each].max() for each in equality])[:, None]
-    least = max(1e-8 * lengths.max(), np.finfo(float).tiny)  # the rows of one that holds anyway are rounding
-    _, s, V = np.linalg.svd(J[: data.ne] / np.maximum(longest, least))
-    return V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
 
 
 def _sphere(count: int = 64) -> np.ndarray:
@@ -350,24 +329,32 @@ def _velocity_before(model: Any, data: Any) -> np.ndarray:
     return before
 
 
+def _acceleration(model: Any, data: Any, J: np.ndarray) -> np.ndarray:
+    """That of the step; of RK4's stage that MuJoCo solved last, whose qacc is the one of all stages."""
+    import mujoco
+
+    if model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4:
+        return np.asarray(data.qacc)
+    return _solve(_blocks(model, _full_inertia(model, data)), data.qfrc_smooth + J.T @ data.efc_force)
+
+
 def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, notes: list[str]) -> Step:
     """The convex problem of MuJoCo [Todorov 2014], as `lcpbench capture --soft` writes it: with the acceleration a, the
-    force f of each edge of a pyramid and of each limit asks that J a - efc_aref + R f >= 0. An elliptic cone is one
-    contact with friction, of which this vector is in the dual cone."""
+    force f of each edge of a pyramid asks that J a - efc_aref + R f >= 0. An elliptic cone is one contact with friction,
+    of which this vector is in the dual cone. Of a bounded row it is zero between the bounds of its force."""
     import mujoco
 
     types = np.asarray(data.efc_type)
     h, M = model.opt.timestep, _full_inertia(model, data)
-    force, R, equal = np.asarray(data.efc_force), np.asarray(data.efc_R), slice(data.ne)
-    lost = slice(data.ne, data.ne + data.nf)  # friction of joints and tendons, as the force that MuJoCo found
+    force, R = np.asarray(data.efc_force), np.asarray(data.efc_R)
     before = _velocity_before(model, data) if stepped else np.array(data.qvel)
     target = J @ before + h * np.asarray(data.efc_aref)
-    momentum = M @ before + h * (np.asarray(data.qfrc_smooth) + J[lost].T @ force[lost])
-    momentum += J[equal].T @ (target[equal] / R[equal])
-    blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
+    momentum = M @ before + h * np.asarray(data.qfrc_smooth)
+    blocks = _blocks(model, M)
     friction = np.asarray(data.contact.friction).reshape(-1, 5)
-    rows = np.arange(data.ne + data.nf, data.nefc)
-    elliptic = np.flatnonzero(types[rows] == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC) + data.ne + data.nf
+    first = data.ne + data.nf + data.nl  # of contacts
+    rows = np.arange(first, data.nefc)
+    elliptic = np.flatnonzero(types[rows] == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC) + first
     of = np.asarray(data.efc_id)[elliptic]
     place = elliptic - np.asarray(data.contact.efc_address).ravel()[of]  # 0: the normal, then the tangents
     rows = np.setdiff1d(rows, elliptic[place > 0], assume_unique=True)
@@ -377,9 +364,9 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, n
     normals = elliptic[place == 0]
     at, mu, compliance_t = np.searchsorted(rows, normals), np.zeros(len(rows)), np.zeros(len(rows))
     T, offset, impulses = np.zeros((len(rows), 2, model.nv)), np.zeros((len(rows), 2)), np.zeros((len(rows), 3))
-    first, second = friction[of[place == 0], :2].T
-    mu[at], compliance_t[at], impulses[:, 0] = first, R[normals + 1], h * force[rows]
-    for k, ratio in enumerate((np.ones(len(at)), second / first)):  # the second tangent is scaled, as mu is one number
+    along_first, along_second = friction[of[place == 0], :2].T
+    mu[at], compliance_t[at], impulses[:, 0] = along_first, R[normals + 1], h * force[rows]
+    for k, ratio in enumerate((np.ones(len(at)), along_second / along_first)):  # the second tangent is scaled, as mu is one number
         along = normals + 1 + k
         T[at, k], offset[at, k] = ratio[:, None] * J[along], -ratio * target[along]
         impulses[at, 1 + k] = h * force[along] / ratio
@@ -396,33 +383,40 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, n
         share = np.minimum(1, squares / np.maximum(force[normals] ** 2, np.finfo(float).tiny))
         mu[at] *= np.sqrt(1 - share)
         b[at] -= h * share * slip
+    bounded, row_impulses = _native.mujoco_soft_rows(J, *_bounded(data), target, h, model.nv, _fixed(model).rows)
     problem = Problem(G=blocks, N=_columns(J[rows]), tangents=_columns(T.reshape(-1, model.nv)), mu=mu,
                       v=_solve(blocks, momentum), b=b, compliance_n=R[rows], compliance_t=compliance_t,
-                      offset_t=offset, name=name, validate=False)
+                      offset_t=offset, rows=bounded, name=name, validate=False)
     if len(elliptic):
         problem._engine_model = "convex"
     return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
-                velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), notes=notes,
+                row_impulses=row_impulses, velocity=before + h * _acceleration(model, data, J), contact_frames=_frames(data, rows), notes=notes,
                 **_seen(data))
 
 
 def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
-    """The contacts of the step that MuJoCo has just taken, or that it will take next.
+    """The contacts and joints of the step that MuJoCo has just taken, or that it will take next.
+
+    Bounded rows of the problem are equality constraints, limits of joints and tendons, and their dry friction
+    (frictionloss); each is named with its kind, "hinge friction knee". Rows of hinges and balls, and the turning ones of
+    welds and free joints, are about angles ("rad"), others about lengths ("m"). So are tendons, but those that only hinges
+    make: their length is a sum of angles, times numbers whose unit MuJoCo does not know.
 
     Whatever the problem leaves out or has otherwise than MuJoCo's step is a line of the step's `notes`, with how many
-    there are: torsional and rolling friction (condim 4 and 6) and friction of joints (frictionloss), which act as the
-    forces that MuJoCo found, equality constraints, a velocity of a surface, trees that sleep, and others; what MuJoCo's
-    answer to hard contacts is not to be blamed for is a warning, too. Limits of joints and tendons are contacts without
-    friction. Of the integrator RK4 it is the stage that MuJoCo solved last, and after `mj_forward` the first one. Of
+    there are: torsional and rolling friction (condim 4 and 6), which act as the forces that MuJoCo found, a velocity of a
+    surface, trees that sleep, and others; what MuJoCo's answer to hard contacts is not to be blamed for is a warning, too.
+    Of hard equality constraints, rows that repeat others up to 1 % are left out, as a loop in a plane has them: it comes
+    apart a little in MuJoCo, and would be locked. What MuJoCo pushes along them counts as the others', and what these
+    cannot take as a force. Actuators act as MuJoCo takes them, by forces at the old state. Of the integrator RK4 it is the stage that MuJoCo solved last, and after `mj_forward` the first one. Of
     implicit and implicitfast the inertia has the symmetric part of the forces' derivative; the other part, gyroscopic
     torques, acts as if no contact changed it.
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
-        soft: the convex problem that MuJoCo itself solves: each edge of a pyramid, and each limit, is a contact without
-            friction that has the compliance efc_R; an elliptic cone is one with friction. Of torsional and
+        soft: the convex problem that MuJoCo itself solves: each edge of a pyramid is a contact without friction that has
+            the compliance efc_R, as each bounded row has; an elliptic cone is one with friction. Of torsional and
             rolling friction (condim 4 and 6) the forces that MuJoCo found act, and the cone is what they leave of it.
-            Soft equality constraints are part of the inertia. `check` then says how well MuJoCo solved its own model.
+            `check` then says how well MuJoCo solved its own model.
             Its velocity is that of MuJoCo's acceleration, before an integrator takes damping implicitly. What
             noslip_iterations change is not judged: its solver is run once more without them.
         stepped: True: after `mj_step`. None: found from the velocities.
@@ -430,8 +424,8 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
 
     Returns:
         A `Step`, with MuJoCo's own impulses, and its velocity after `mj_step`, with soft=True always. Unless soft=True,
-        an open gap may close within the step, penetration is not pushed out, and equality constraints hold exactly,
-        without MuJoCo's correction.
+        an open gap may close within the step, penetration is not pushed out, and equality constraints hold exactly in the
+        velocity, without MuJoCo's correction of their error.
 
     Raises:
         InputError: the data hold no step.
@@ -454,22 +448,19 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
                       1, warn=True)
             data = _before_noslip(model, data)
         return _soft_step(model, data, J, stepped, name, notes.texts)
-    contact, first = data.contact, data.ne + data.nf
+    contact = data.contact
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-        after, qvel = data, (_velocity_before(model, data) if stepped else data.qvel) + h * data.qacc
+        after, qvel = data, (_velocity_before(model, data) if stepped else data.qvel) + h * _acceleration(model, data, J)
     else:
         after = data if stepped else _stepped_on(model, data)  # qDeriv, too, is of the step
         qvel = after.qvel
-    G, Z = _blocks(model, _step_inertia(model, after, notes)), _null_space(data, J)
-    notes.add("rows of equality constraints that repeat others, left out",
-              0 if Z is None else data.ne - model.nv + Z.shape[1])
-    problem, velocity, impulses, frames, gap, rows = _native.mujoco_step(
-        J, data.efc_force, data.efc_pos,
-        (contact.efc_address, contact.dim, contact.friction, contact.dist, contact.pos, contact.frame),
-        (first, first + data.nl), bool(model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL),
-        G, qvel, h, Z, name)
+    problem, impulses, frames, gap, rows, row_impulses, repeated = _native.mujoco_step(
+        J, *_bounded(data), (contact.efc_address, contact.dim, contact.friction, contact.dist, contact.pos, contact.frame),
+        bool(model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL), _blocks(model, _step_inertia(model, after, notes)), qvel, h,
+        _fixed(model).rows, name)
+    notes.add("rows of equality constraints that repeat others, left out", repeated)
     return Step(Problem._of(problem), gap=gap, contact_ids=_row_ids(model, data, rows),
-                impulses=impulses.reshape(-1, 3), velocity=velocity if stepped else None,
+                impulses=impulses.reshape(-1, 3), row_impulses=row_impulses, velocity=np.array(qvel) if stepped else None,
                 contact_frames=frames.reshape(-1, 9), notes=notes.texts, **_seen(data))
 
 

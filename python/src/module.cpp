@@ -178,8 +178,8 @@ Vector or_zeros(const Problem& problem, Vector ContactProblem::* field, Index ea
   return (contact.*field).size() > 0 ? contact.*field : Vector(Vector::Zero(each * contact.nc()));
 }
 
-nb::object rows_object(const Problem& problem) {
-  const BoundedRows& rows = contact_of(problem).rows;
+/// As Problem takes them.
+nb::object row_fields(const BoundedRows& rows) {
   if (rows.size() == 0) return nb::none();
   const auto all = [&](const Vector& values) {
     return nb::cast(values.size() > 0 ? values : Vector(Vector::Zero(rows.size())));
@@ -197,6 +197,13 @@ nb::object rows_object(const Problem& problem) {
   fields["unit"] = units;
   fields["names"] = rows.names.empty() ? nb::none() : nb::cast(rows.names);
   return fields;
+}
+
+/// The rows before those of contacts in MuJoCo's own convex problem, and their impulses.
+nb::tuple mujoco_soft_rows(const Numbers& efc_J, const nb::tuple& rows_of, const nb::tuple& efc, const Vector& target,
+                           double h, Index nv, const MujocoRowNames& names) {
+  capture::MujocoBoundedRows found = capture::soft_rows(MujocoRows(efc_J, nv, rows_of, efc).all, names, target, h);
+  return nb::make_tuple(row_fields(found.rows), array(found.impulses));
 }
 
 nb::object inertia_object(const Problem& problem) {
@@ -501,7 +508,7 @@ void define(nb::module_& module) {
       .def_prop_ro("edges", [](const Problem& p) { return contact_of(p).edges; })
       .def_prop_ro("N", [](const Problem& p) { return contact_of(p).N; })
       .def_prop_ro("D", [](const Problem& p) { return contact_of(p).D; })
-      .def_prop_ro("rows", &rows_object)
+      .def_prop_ro("rows", [](const Problem& p) { return row_fields(contact_of(p).rows); })
       .def_prop_ro("row_count", [](const Problem& p) { return contact_of(p).rows.size(); })
       .def_prop_ro("G", &inertia_object)
       .def_prop_ro("Ginv", [](const Problem& p) { return inverse_inertia(contact_of(p).inertia); })
@@ -513,8 +520,11 @@ void define(nb::module_& module) {
   module.def("bare", &bare);
   module.def("scene", &scene);
   module.def("solve", &solve);
-  module.def("mujoco_step", &mujoco_step, "efc_J"_a, "force"_a, "efc_pos"_a, "contact"_a, "limits"_a, "pyramidal"_a,
-             "G"_a, "qvel"_a, "h"_a, "Z"_a.none(), "name"_a);
+  nb::class_<MujocoRowNames>(module, "MujocoRowNames");
+  module.def("mujoco_row_names", &mujoco_row_names, "names"_a, "model"_a);
+  module.def("mujoco_step", &mujoco_step, "efc_J"_a, "rows"_a, "efc"_a, "contact"_a, "pyramidal"_a, "G"_a, "qvel"_a,
+             "h"_a, "names"_a, "name"_a);
+  module.def("mujoco_soft_rows", &mujoco_soft_rows, "efc_J"_a, "rows"_a, "efc"_a, "target"_a, "h"_a, "nv"_a, "names"_a);
   module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none(), "model"_a,
              "row_impulses"_a = nb::none());
   module.def("judge", &judge, "problem"_a, "claim"_a, "z"_a, "velocity"_a.none(), "farkas"_a.none(), "model"_a,

@@ -102,6 +102,19 @@ class Mujoco(unittest.TestCase):
         self.assertAlmostEqual(found.velocity_error["limit"], FALL, delta=1e-9)
         self.assertRegex(str(found), "^0 of 6 contacts solved\nlimit: 6 missing, 0.0196 m/s: .* and 1 more$")
 
+    def test_a_joints_limit_may_be_missing(self):
+        model = mujoco.MjModel.from_xml_string("""<mujoco><option timestep="0.002"/><worldbody><body>
+          <joint name="knee" axis="0 1 0" range="-1 0" limited="true" frictionloss="0.1"/>
+          <geom type="sphere" size=".05" pos=".3 0 0" mass="1"/></body></worldbody></mujoco>""")
+        data = mujoco.MjData(model)
+        data.qpos[0] = 1e-9
+        for rows, missing in ((2, []), (1, ["hinge limit knee"]), (0, ["hinge friction knee", "hinge limit knee"])):
+            found = lcpbench.mujoco.audit(model, data, njmax=rows)
+            self.assertEqual(found.missing.get("limit", []), missing)
+            if missing:
+                torque = 9.81 * 0.3 - 0.1 * rows  # friction holds against a part of it
+                self.assertAlmostEqual(found.velocity_error["limit"], 0.002 * torque / (0.09 + 0.001), delta=1e-9)
+
     def test_margins_and_excluded_pairs(self):
         found = self.audit(excluded='<exclude body1="world" body2="plate"/>')
         self.assertEqual((found.found, len(found.missing["excluded"])), (0, 6))

