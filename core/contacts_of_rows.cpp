@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/added_coordinates.h"
 #include "core/answer/contact_lcp.h"
@@ -15,6 +16,9 @@ constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// The power of two below a positive number; 1 of others.
 double power_below(double x) { return x > 0 && std::isfinite(x) ? std::ldexp(1.0, std::ilogb(x)) : 1.0; }
+
+/// The power of two next to a positive number: within a factor sqrt(2).
+double power_next_to(double x) { return power_below(x * std::numbers::sqrt2); }
 
 /// G* times sparse columns, in double, block by block. Inverses of blocks are made when they are first needed.
 class Responses {
@@ -85,8 +89,10 @@ double median(std::vector<double>& numbers) {
   return (*half + *std::max_element(numbers.begin(), half)) / 2;
 }
 
+}  // namespace
+
 /// What the units of rows are chosen by, in double: see ContactLcp::lever() and ContactScale.
-class RowSizes {
+class ContactsOfRows::RowSizes {
  public:
   explicit RowSizes(const ContactProblem& problem) : problem_(problem), responses_(problem.inertia) {
     islands_.find(problem);
@@ -104,6 +110,10 @@ class RowSizes {
   double scale(Index row) const {
     const Index island = islands_.of_row[static_cast<std::size_t>(row)];
     return island < 0 ? ContactScale<double>::kLeast : scales_[static_cast<std::size_t>(island)].value();
+  }
+  double scale_of_contact(Index contact) const {
+    const Index island = islands_.of_contact[static_cast<std::size_t>(contact)];
+    return island < 0 ? kNoBound : scales_[static_cast<std::size_t>(island)].value();
   }
   Responses& responses() { return responses_; }
 
@@ -149,7 +159,7 @@ class RowSizes {
       }
       const auto island = static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(i)]);
       std::vector<double>& others = !moved.empty() ? moved : !of_contacts[island].empty() ? of_contacts[island] : of_rows[island];
-      if (!others.empty()) levers_[static_cast<std::size_t>(i)] = power_below(std::sqrt(2 * median(others) / diagonal(i)));
+      if (!others.empty()) levers_[static_cast<std::size_t>(i)] = std::sqrt(median(others) / diagonal(i));
       for_each_entry(rows.R, i, [&](Index j, double) {  // zero again where it was written
         responses_.clear(j, response);
       });
@@ -184,8 +194,6 @@ class RowSizes {
   std::vector<double> own_, levers_;
   std::vector<ContactScale<double>> scales_;
 };
-
-}  // namespace
 
 bool ContactsOfRows::can_express(const BoundedRows& rows) {
   std::vector<char> is_load(static_cast<std::size_t>(rows.size()), 0);
@@ -234,7 +242,9 @@ ContactsOfRows::ContactsOfRows(const ContactProblem& problem) : bounds_(problem.
   rows_.resize(static_cast<std::size_t>(count));
   for (Index i = 0; i < count; ++i) {
     Row& row = rows_[static_cast<std::size_t>(i)];
-    row.unit = sizes.lever(i);
+    row.unit = power_next_to(sizes.lever(i));
+    row.diagonal = sizes.diagonal(i) + rows.yields(i);
+    row.weight = sizes.lever(i) / sizes.scale(i);
     const double lower = bounds_.lower(i), upper = bounds_.upper(i), unit = row.unit;
     const double yields = unit * unit * rows.yields(i);
     if (bounds_.friction_of[static_cast<std::size_t>(i)] >= 0) {
@@ -308,6 +318,28 @@ ContactsOfRows::ContactsOfRows(const ContactProblem& problem) : bounds_(problem.
   contacts_.compliance_t = unless_zero(yields_t);
   contacts_.offset_t = unless_zero(offset_t);
   to_ = contact_layout(contacts_);
+  enlarges_scale_ = enlarges_scale(sizes);
+}
+
+/// Whether the contacts' residuals of an island are relative to more than those of the rows. What a claim
+/// leaves below the verdict's bound is no more than this share.
+bool ContactsOfRows::enlarges_scale(const RowSizes& sizes) const {
+  constexpr double kMore = 1.0005;
+  const auto is_larger = [&](Index contact, double scale) {
+    const double q = dot_column(contacts_.N, contact, contacts_.v) + contacts_.offset(contact);
+    return -q > kMore * scale;
+  };
+  for (Index c = 0; c < from_.nc; ++c) {
+    if (is_larger(c, sizes.scale_of_contact(c))) return true;
+  }
+  for (Index i = 0; i < from_.rows; ++i) {
+    const Row& row = rows_[static_cast<std::size_t>(i)];
+    const Index last = row.kind == Row::Kind::kEquality ? row.contact + 1 : row.contact;
+    for (Index c = row.contact; c <= last; ++c) {
+      if (is_larger(c, sizes.scale(i))) return true;
+    }
+  }
+  return false;
 }
 
 /// f' of the row, from the impulses of its contacts.
@@ -363,11 +395,28 @@ Vector ContactsOfRows::proof(const Vector& u) const {
   return all;
 }
 
-bool ContactsOfRows::is_in_doubt(const Vector& x) const {
-  constexpr double kNearBound = 0.999;
-  return std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) {
-    return row.middle != 0 || (row.is_large && std::abs(impulse(row, x)) >= kNearBound * x(row.contact));
-  });
+bool ContactsOfRows::is_in_doubt(const ContactProblem& problem, const Vector& x, const Vector& z,
+                                 const Vector& velocity) const {
+  constexpr double kNearBound = 0.999, kSurelyPasses = 0.5e-4, kHardlyCut = 1e-5;
+  if (enlarges_scale_) return true;
+  const BoundedRows& rows = problem.rows;
+  for (Index i = 0; i < rows.size(); ++i) {
+    const Row& row = rows_[static_cast<std::size_t>(i)];
+    const double f = z(from_.row_offset() + i), w = dot_column(rows.R, i, velocity) + rows.offset(i) + rows.yields(i) * f;
+    double lower = bounds_.lower(i), upper = bounds_.upper(i);
+    if (row.is_large && (f <= kNearBound * lower || f >= kNearBound * upper)) return true;
+    if (const int of = bounds_.friction_of[static_cast<std::size_t>(i)]; of >= 0) {
+      upper = std::abs(bounds_.mu(i) * z(from_.row_offset() + of));
+      lower = -upper;
+    }
+    const double cut = std::abs(row.unit * impulse(row, x) + row.middle - f);
+    if (!(cut * row.diagonal * row.weight <= kHardlyCut)) return true;
+    double residual = w;
+    if (lower > -kNoBound) residual = std::min(residual, row.diagonal * (f - lower));
+    if (upper < kNoBound) residual = std::max(residual, row.diagonal * (f - upper));
+    if (!(std::abs(residual) * row.weight <= kSurelyPasses)) return true;
+  }
+  return false;
 }
 
 }  // namespace lcpbench

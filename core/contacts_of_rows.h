@@ -11,7 +11,7 @@ namespace lcpbench {
 /// A row with one bound is a contact without friction; an equality is two of them that face each other, of which at
 /// most one presses where it yields. A row with two bounds is the friction of a contact that presses with half their
 /// distance: the impulse that stops a coordinate of its own. Friction that grows with a load is that of the load's
-/// contact. Rows are scaled by powers of two so that their residuals count as the verdict counts them.
+/// contact. Rows of angles are scaled so that their residuals count as the verdict counts them.
 class ContactsOfRows {
  public:
   /// Whether the rows have such contacts: no load has two rows of friction, or an upper bound.
@@ -30,19 +30,23 @@ class ContactsOfRows {
   Vector start(const Vector& z) const;
   /// The proof for the problem. @param u  for contacts(), one entry for each
   Vector proof(const Vector& u) const;
-  /// Whether contacts() may allow a larger error than the verdict: where bounds are not alike, so that the impulse
-  /// between them acts before the contacts, or where a row is at a bound that was scaled down, because it is large beside
-  /// all velocities.
-  bool is_in_doubt(const Vector& x) const;
+  /// Whether contacts() may have allowed this answer a larger error than the verdict does: bounds that are not alike act
+  /// by an impulse before the contacts, which adds to their scale; a row at a bound that is large beside all velocities
+  /// was scaled down; units of angles are rounded. O(nnz(R)) @param z  restore(x) @param velocity  after the impact
+  bool is_in_doubt(const ContactProblem& problem, const Vector& x, const Vector& z, const Vector& velocity) const;
 
  private:
   struct Row {
     enum class Kind { kEquality, kLimit, kBox, kFrictionOf } kind;
     Index contact;         ///< the first of contacts() that stands for it
     double unit;           ///< f = unit f' + middle
-    double middle = 0;     ///< of the bounds; of a limit its bound
-    bool is_large = false;  ///< its bounds are scaled down
+    double diagonal, weight;  ///< M_ii, and what its residual counts relative to the scale
+    double middle = 0;        ///< of the bounds; of a limit its bound
+    bool is_large = false;    ///< its bounds are scaled down
   };
+  class RowSizes;
+
+  bool enlarges_scale(const RowSizes& sizes) const;
 
   double impulse(const Row& row, const Vector& x) const;
 
@@ -50,6 +54,7 @@ class ContactsOfRows {
   LcpBounds bounds_;
   ContactLayout from_, to_;
   ContactProblem contacts_;
+  bool enlarges_scale_ = false;
 };
 
 }  // namespace lcpbench

@@ -317,15 +317,23 @@ void Solver::return_to_given(Answer& answer) {
 /// not hold for the rows, which allocates.
 void Solver::return_to_rows(Answer& answer) {
   const ContactProblem& given = *with_rows_.contact();
-  const bool may_fail = contacts_of_rows_ == nullptr || contacts_of_rows_->is_in_doubt(answer.z);
+  const Vector x = answer.z;
   if (contacts_of_rows_) {
     if (answer.velocity.size() > given.ngc()) answer.velocity = Vector(answer.velocity.head(given.ngc()));
     if (answer.z.size() > 0) answer.z = contacts_of_rows_->restore(answer.z);
     if (answer.farkas.size() > 0) answer.farkas = contacts_of_rows_->proof(answer.farkas);
   }
   const bool is_unproven = answer.farkas.size() > 0 && !proves_unsolvable(given, answer.farkas);
-  if (answer.claim == Claim::kUnsolvable && is_unproven) answer.claim = Claim::kNumericalFailure;
-  if (answer.claim != Claim::kSolved || !may_fail) return;
+  if (answer.claim == Claim::kUnsolvable && (is_unproven || contacts_of_rows_ == nullptr)) {
+    answer.claim = Claim::kNumericalFailure;
+    if (contacts_of_rows_ == nullptr) answer.detail = "the mixed LCP, which is rounded, has no solution";
+  }
+  if (answer.claim != Claim::kSolved) return;
+  if (contacts_of_rows_) {
+    const bool has_velocity = answer.velocity.size() == given.ngc();
+    const Vector velocity = has_velocity ? Vector(answer.velocity) : post_impact_velocity(given, answer.z);
+    if (!contacts_of_rows_->is_in_doubt(given, x, answer.z, velocity)) return;
+  }
   ContactResidual residual(given);
   if (!residual.lcp || residual.rho(residual.at(answer.z)) <= kSolvedVelocityResidual) return;
   answer.claim = Claim::kNumericalFailure;
