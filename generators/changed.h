@@ -21,7 +21,7 @@ enum class Change {
   kDuplicate,      ///< one contact, and one bounded row, twice, with twice its compliance and half its bounds
   kNearDuplicate,  ///< the same, every entry of N, D and R of the second off by 2^-30 (scene: its point)
   kLastDigits,     ///< every number but zeros moved to a neighbouring double (scene: all but directions)
-  kHard,           ///< contacts without compliance and tangential offsets: the only change of the physical answer itself
+  kHard,  ///< contacts without compliance and tangential offsets: the only change of the physical answer itself
 };
 
 /// All changes with their names: scaling, units, order, duplicate, near_duplicate, last_digits, hard.
@@ -31,8 +31,8 @@ const char* to_string(Change change);
 /// The relative change of the data, entry by entry: 2^-30 for near duplicates, 2^-52 for last digits, else 0.
 double data_change(Change change);
 
-/// Whether the change is made at all: duplicates need a contact or a bounded row that bears no friction, kHard a soft contact, and kScaling of a bare LCP
-/// entries of M that are zero or between 2^-1000 and 2^1000 in size.
+/// Whether the change is made at all: duplicates need a contact or a bounded row that bears no friction, kHard a soft
+/// contact, and kScaling of a bare LCP entries of M that are zero or between 2^-1000 and 2^1000 in size.
 bool applies(Change change, const Problem& problem);
 
 /// One change as it is drawn for one trial of a set.

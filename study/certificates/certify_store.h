@@ -27,8 +27,8 @@ struct CertifyOutcome {
   std::int64_t total = 0;  ///< problems that it had to do
 };
 
-/// What every answer violates some contact or bounded row by, at least (core/answer/farkas.h), from the exact u of a proof
-/// kFarkas; NaN for other proofs and bare LCPs. [m/s]
+/// What every answer violates some contact or bounded row by, at least (core/answer/farkas.h), from the exact u of a
+/// proof kFarkas; NaN for other proofs and bare LCPs. [m/s, rad/s]
 double least_violation(const Problem& problem, const Certificate& certificate);
 
 /// Of a proof that a bare LCP has no solution, lcpbench::proof_margin(), rounded; NaN for all else.

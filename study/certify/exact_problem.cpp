@@ -157,7 +157,7 @@ void set_contacts(const ContactProblem& contact, ExactProblem& problem, const De
     problem.q = problem.q + T * (to_dyadic(row_b) + r * to_dyadic(rows.origin));
     S = S + T * r * transposed(T);
   }
-  const auto zeros = [](Index rows, Index cols) { return Dyadic{IntegerMatrix(rows, cols), 0}; };
+  const auto zeros = [](Index height, Index width) { return Dyadic{IntegerMatrix(height, width), 0}; };
   const Index k = problem.K.m.rows();
   const Dyadic at_origin = origin.isZero(0) ? zeros(k, 1) : -(problem.B * to_dyadic(origin));
   problem.system = {beside(at_origin, problem.K, -problem.B, zeros(k, slip.cols())),

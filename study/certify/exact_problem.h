@@ -37,8 +37,8 @@ struct ExactSystem {
   IntegerMatrix w_in_one_unit() const;
 };
 
-/// The system of a problem, and what is proven of its inertia. With C = [N D R], the inertia is K p = B f for impulses f,
-/// and the change of velocity is Y p; docs/explanation/certificates.md has them for each form.
+/// The system of a problem, and what is proven of its inertia. With C = [N D R], the inertia is K p = B f for impulses
+/// f, and the change of velocity is Y p; docs/explanation/certificates.md has them for each form.
 struct ExactProblem {
   /// @throws TimePassed
   ExactProblem(const Problem& problem, const Deadline& deadline);

@@ -25,8 +25,7 @@ struct Audit {
 /// @returns an answer with its velocity
 Answer solved(const Problem& problem, double time_limit_s) {
   TimedAnswer timed;
-  const bool has_rows = problem.contact()->has_rows();  // equally stiff contacts are contacts alone
-  open_solver(parse_spec(has_rows ? "auto" : "auto{impulses=even}"))->run(problem, {.time_limit_s = time_limit_s}, timed);
+  open_solver(parse_spec("auto{impulses=even}"))->run(problem, {.time_limit_s = time_limit_s}, timed);
   Answer& answer = timed.answer;
   if (answer.claim != Claim::kSolved) throw InputError("auto says " + std::string(to_string(answer.claim)));
   if (answer.velocity.size() == 0) answer.velocity = post_impact_velocity(*problem.contact(), answer.z);

@@ -43,6 +43,7 @@ Json features(const Problem& problem) {
           {"contacts", contacts.nc()},
           {"with_friction", rough},
           {"with_offset", offsets},
+          {"bounded_rows", contacts.rows.size()},
           {"mu_least", any ? Json(contacts.mu.minCoeff()) : Json()},
           {"mu_largest", any ? Json(contacts.mu.maxCoeff()) : Json()},
           {"coordinates", contacts.ngc()},
@@ -130,7 +131,7 @@ made by lcpbench {version}, seed {seed}, with at most {contacts} contacts aimed 
 | file | has |
 | --- | --- |
 | `scenes/*.scenes` | the problems: JSON lines, compressed by zstd (format: docs/reference/scenes-file.md of lcpbench) |
-| `answers/*.jsonl` | for each step: impulses `z` (f_N, f_D, lambda) and which they are, velocity after the step, verdict |
+| `answers/*.jsonl` | for each step: impulses `z` (f_N, f_D, lambda, then f_R of bounded rows) and which they are, velocity after the step, verdict |
 | `features.csv` | a row for each step: sizes, friction, islands, hash of the problem, verdict, exact certificate |
 | `fclib/*.hdf5` | after `python -m lcpbench.fclib scenes/*.scenes --out fclib`: the problems that Siconos' FCLIB can hold |
 

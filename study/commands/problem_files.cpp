@@ -118,7 +118,6 @@ Json errors_json(const Problem& problem, const Errors& errors) {
   Json json = Json::object();
   for (const Metric& metric : kMetrics) json[metric.name] = json_number(errors.*metric.value);
   json["worst_row"] = errors.worst.row < 0 ? Json() : Json(errors.worst.row);
-  json["contact_residual_m_per_s"] = json_number(errors.contact_residual_m_per_s);
   json["worst_bounded_row"] = nullptr;
   if (const auto& [row, residual] = errors.worst_bounded_row; row >= 0) {
     json["worst_bounded_row"] = {{"row", row},

@@ -55,7 +55,7 @@ Spec judged_as_solved(Spec spec, const Problem& problem, const std::string& file
 /// The names of the contacts of a step; none of any other file, and where the step has none.
 std::vector<std::string> contact_names(const std::string& file);
 
-/// Every metric by its name, and the worst row.
+/// Every metric by its name, the worst row, and the worst bounded row.
 Json errors_json(const Problem& problem, const Errors& errors);
 
 /// The numbers with blanks between them; "" for none, and where they are too many for a line or two.

@@ -241,9 +241,9 @@ Action add_shrink_command(CLI::App& command) {
              number_check(0, 1e9));
   add_output_options(command, arguments->json);
   command.footer(
-      "Leaves out contacts, bounded rows, bodies and friction, and rounds numbers, as long as the solver fails in the same way. Exit "
-      "code 1: it does not fail on FILE, or not again; nothing is written. Ctrl-C writes the smallest problem until "
-      "then (exit code 3). See docs/howto/report-a-failing-case.md.");
+      "Leaves out contacts, bounded rows, bodies and friction, and rounds numbers, as long as the solver fails in the "
+      "same way. Exit code 1: it does not fail on FILE, or not again; nothing is written. Ctrl-C writes the smallest "
+      "problem until then (exit code 3). See docs/howto/report-a-failing-case.md.");
   return [arguments] { return run_shrink(*arguments); };
 }
 

@@ -298,8 +298,7 @@ void print_impulses(const Problem& problem, const Attempt& best) {
   const bool even = best.timed.answer.impulses == Impulses::kEven;
   const bool in_vain = !even && best.label == kAsksForEven;
   say_folded("other impulses may give the same motion; {} {}\n", best.label,
-             has_rows(problem) ? "shows those that it reached"
-             : even    ? "shows those that equally stiff contacts would carry"
+             even      ? "shows those that equally stiff contacts would carry"
              : in_vain ? "did not find those that equally stiff contacts would carry, and shows any"
                        : "shows those that it reached, auto{impulses=even} looks for those that equally stiff contacts "
                          "would carry");
@@ -520,8 +519,7 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
 Attempt answer_to_show(const Problem& problem, const std::vector<Attempt>& attempts, BoundedCertifier& certifier,
                        const SolveArguments& arguments) {
   const Attempt& best = attempts.front();
-  const bool may_be_even = problem.contact() != nullptr && !has_rows(problem);  // equal compliance is of contacts alone
-  const Spec spec{"auto", may_be_even ? Options{{"impulses", "even"}} : Options{}};
+  const Spec spec{"auto", problem.contact() != nullptr ? Options{{"impulses", "even"}} : Options{}};
   if (best.verdict != Verdict::kSolved || best.model != FrictionModel::kPyramid) return best;
   Judge judge(problem, certifier, arguments.solved_at);
   Attempt shown = attempt(problem, spec, *open_solver(spec), judge, arguments.time_limit_s, false);

@@ -1,13 +1,12 @@
 #include "study/evaluation/bounded_row_states.h"
 
 #include <cmath>
-#include <limits>
 
 namespace lcpbench {
 namespace {
 
-/// Which of M_ii (f - lower), M_ii (f - upper) and w is the middle one. An impulse that rounding parts from its bound is
-/// at it.
+/// Which of M_ii (f - lower), M_ii (f - upper) and w is the middle one. An impulse that rounding parts from its bound
+/// is at it.
 BoundedRowState::At place_of(const BoundedRowState& state, double diagonal) {
   constexpr double kRounding = 1e-12;
   const auto reaches = [&](double bound) {
@@ -47,8 +46,7 @@ std::vector<BoundedRowState> BoundedRowStates::of(const Vector& z) {
   std::vector<BoundedRowState> states;
   for (Index row = 0; row < rows.size(); ++row) {
     const auto [lower, upper] = bounds_of(rows, row, impulses);
-    BoundedRowState& state = states.emplace_back(
-        BoundedRowState{lower, upper, impulses(row), std::numeric_limits<double>::quiet_NaN(), BoundedRowState::At::kBetween});
+    BoundedRowState& state = states.emplace_back(BoundedRowState{lower, upper, impulses(row)});
     const std::size_t i = is_known ? residual_.lcp->first_bounded() + static_cast<std::size_t>(row) : 0;
     if (is_known) state.velocity = to_double(point.w[i]);
     state.at = place_of(state, is_known ? to_double(residual_.lcp->diagonal(i)) : 0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -14,7 +15,8 @@ struct BoundedRowState {
   double lower = 0;     ///< those of friction at the answer's own load [N s, N m s]
   double upper = 0;     ///< alike
   double impulse = 0;   ///< f [N s, N m s]
-  double velocity = 0;  ///< w = R'v+ + b + r f [m/s, rad/s]; NaN where 113 bits do not tell G*
+  /// w = R'v+ + b + r f [m/s, rad/s]; NaN where 113 bits do not tell G*
+  double velocity = std::numeric_limits<double>::quiet_NaN();
   At at = At::kBetween;
 };
 

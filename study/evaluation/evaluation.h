@@ -145,6 +145,7 @@ inline constexpr std::array kMetrics{
     Metric{"proof_margin", &Errors::proof_margin},
     Metric{"velocity_mismatch", &Errors::velocity_mismatch, false},
     Metric{"optimum_distance", &Errors::optimum_distance, false},
+    Metric{"contact_residual_m_per_s", &Errors::contact_residual_m_per_s, false},
 };
 
 /// What one answer shows about itself and its problem, without other answers.

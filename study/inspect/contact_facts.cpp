@@ -246,7 +246,8 @@ void inspect_rows(const ContactProblem& problem, Inspection& inspection) {
   Index equalities = 0, one_bound = 0, two_bounds = 0, friction = 0, angles = 0, soft = 0;
   std::vector<Index> rigid;  // equalities without compliance
   for (Index row = 0; row < rows.size(); ++row) {
-    const int bounds = (std::isfinite(rows.bounds.lower(row)) ? 1 : 0) + (std::isfinite(rows.bounds.upper(row)) ? 1 : 0);
+    const auto count_of = [](double bound) { return std::isfinite(bound) ? 1 : 0; };
+    const int bounds = count_of(rows.bounds.lower(row)) + count_of(rows.bounds.upper(row));
     const bool is_friction = rows.bounds.friction_of[static_cast<std::size_t>(row)] >= 0;
     Index& kind = is_friction ? friction : bounds == 0 ? equalities : bounds == 1 ? one_bound : two_bounds;
     ++kind;

@@ -200,7 +200,8 @@ ModelAnswer Ladder::climb(ContactModel model, double error) {
 std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::string& file, double time_limit_s) {
   if (problem.contact() == nullptr) throw InputError(fmt::format("{}: a bare LCP has no contacts to model", file));
   if (problem.contact()->has_rows()) {
-    throw InputError(fmt::format("{}: field 'rows': models of friction are compared on contacts without bounded rows", file));
+    throw InputError(
+        fmt::format("{}: field 'rows': models of friction are compared on contacts without bounded rows", file));
   }
   if (const std::string why = why_no_round_cone(*problem.contact()); !why.empty()) {
     throw InputError(fmt::format("{}: field 'D': the friction names no round cone: {}", file, why));

@@ -81,14 +81,15 @@ std::string row_state(const BoundedRows& rows, Index row, const JudgedAnswer& an
   const char* const unit = impulse_unit(rows, row);
   const Vector impulses = answer.z != nullptr ? Vector(answer.z->tail(rows.size())) : Vector::Zero(rows.size());
   const auto [lower, upper] = bounds_of(rows, row, impulses);
-  if (at.z < lower) return fmt::format("has an impulse of {:.3g} {}, below its lower bound of {:.3g}", at.z, unit, lower);
-  if (at.z > upper) return fmt::format("has an impulse of {:.3g} {}, above its upper bound of {:.3g}", at.z, unit, upper);
+  const std::string impulse = fmt::format("{:.3g} {}", at.z, unit);
+  if (at.z < lower) return fmt::format("has an impulse of {}, below its lower bound of {:.3g}", impulse, lower);
+  if (at.z > upper) return fmt::format("has an impulse of {}, above its upper bound of {:.3g}", impulse, upper);
   const std::string moves = fmt::format("moves at w = {:.3g} {}", at.w, velocity_unit(rows, row));
   const bool is_up = at.w > 0;  // which asks for an impulse at the lower bound
   const char* const name = is_up ? "lower" : "upper";
   const double bound = is_up ? lower : upper;
   if (!std::isfinite(bound)) return fmt::format("{}, although its impulse has no {} bound", moves, name);
-  return fmt::format("{}, although its impulse of {:.3g} {} is {} its {} bound of {:.3g}", moves, at.z, unit,
+  return fmt::format("{}, although its impulse of {} is {} its {} bound of {:.3g}", moves, impulse,
                      is_up ? "above" : "below", name, bound);
 }
 
@@ -169,8 +170,10 @@ double scale_floor(const ContactProblem& problem, Index row) {
   add_rows(problem.D, layout.lambda_offset() - layout.friction_offset(), layout.friction_offset(), one);
   if (problem.has_rows()) {
     ContactResidual residual(problem);
-    add_rows(problem.rows.R, layout.rows, layout.row_offset(),
-             [&](Index of) { return residual.lcp ? to_double(residual.lcp->lever(static_cast<std::size_t>(of))) : 1.0; });
+    const auto lever = [&](Index of) {
+      return residual.lcp ? to_double(residual.lcp->lever(static_cast<std::size_t>(of))) : 1.0;
+    };
+    add_rows(problem.rows.R, layout.rows, layout.row_offset(), lever);
   }
   return scale.floor();
 }

@@ -33,14 +33,14 @@ struct Shrunk {
   bool complete = false;  ///< nothing more can be left out or made rounder; false: time or `stop` ended it
 };
 
-/// Looks for the smallest problem of the same kind that still fails: delta debugging over contacts, bounded rows, bodies (or
-/// coordinates), factors of the inertia, frictional contacts and friction edges; then rounder numbers; all of it again
-/// until nothing changes.
+/// Looks for the smallest problem of the same kind that still fails: delta debugging over contacts, bounded rows, bodies
+/// (or coordinates), factors of the inertia, frictional contacts and friction edges; then rounder numbers; all of it
+/// again until nothing changes.
 ///
 /// Every problem tried has been written as a problem file's text and read again, so that what fails is what the file
 /// holds. One that no problem file may hold (an inertia that is not positive definite, ...) counts as one that does
-/// not fail, and so does one with more columns of N, D and R that are zero. Without the end of the budget the result is a
-/// function of the problem and of `fails`.
+/// not fail, and so does one with more columns of N, D and R that are zero. Without the end of the budget the result
+/// is a function of the problem and of `fails`.
 /// @pre start, read from a problem file, fails
 Shrunk shrink(const Problem& start, const std::function<bool(const Problem&)>& fails, const ShrinkOptions& options);
 

@@ -256,7 +256,7 @@ struct Judge::Data {
       }
       of_island.push_back(size);
       const Dyadic coupling = along(row, own);
-      if (coupling * coupling > Dyadic(1e-18) * (size * inertia)) of_moved.push_back(size);
+      if ((coupling * coupling - Dyadic(1e-18) * (size * inertia)).sign() > 0) of_moved.push_back(size);
     }
     DyadicVector& sizes = !of_moved.empty() ? of_moved : !of_island.empty() ? of_island : of_rows;
     if (sizes.empty()) return Dyadic(1.0);

@@ -2,6 +2,8 @@
 // Each proof is checked again by study/check_certificates.py, which shares no code with what made it.
 
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
@@ -76,13 +78,13 @@ void expect_solution(const Problem& problem, const Fractions& z, const Fractions
 }
 
 TEST(CertifyRowsTest, EveryKindOfRowHasItsImpulseWorkedOutByHand) {
-  expect_solution(rows_alone({1, 0}, {1, 2}, {{{1, -1}}}), {"-2/3"}, {"1/3", "1/3"});                        // coupler
-  expect_solution(rows_alone({-1}, {2}, {{{1}, 0, kNone, 0.25}}), {"3/2"}, {"-1/4"});                        // limit
-  expect_solution(rows_alone({1}, {2}, {{{1}, -kNone, 0, -0.25}}), {"-3/2"}, {"1/4"});                       // the other
-  expect_solution(rows_alone({1}, {2}, {{{1}, -0.5, 0.5}}), {"-1/2"}, {"3/4"});                              // slides
-  expect_solution(rows_alone({0.125}, {2}, {{{1}, -0.5, 0.5}}), {"-1/4"}, {"0"});                            // sticks
-  expect_solution(rows_alone({0}, {1}, {{{1}, -0.25, 0.75, -4}}), {"3/4"}, {"3/4"});                         // motor
-  expect_solution(rows_alone({1}, {1}, {{{1}, -kNone, kNone, 0, 2}}), {"-1/3"}, {"2/3"});                    // soft
+  expect_solution(rows_alone({1, 0}, {1, 2}, {{{1, -1}}}), {"-2/3"}, {"1/3", "1/3"});  // coupler
+  expect_solution(rows_alone({-1}, {2}, {{{1}, 0, kNone, 0.25}}), {"3/2"}, {"-1/4"});  // limit
+  expect_solution(rows_alone({1}, {2}, {{{1}, -kNone, 0, -0.25}}), {"-3/2"}, {"1/4"});  // the other
+  expect_solution(rows_alone({1}, {2}, {{{1}, -0.5, 0.5}}), {"-1/2"}, {"3/4"});  // slides
+  expect_solution(rows_alone({0.125}, {2}, {{{1}, -0.5, 0.5}}), {"-1/4"}, {"0"});  // sticks
+  expect_solution(rows_alone({0}, {1}, {{{1}, -0.25, 0.75, -4}}), {"3/4"}, {"3/4"});  // motor
+  expect_solution(rows_alone({1}, {1}, {{{1}, -kNone, kNone, 0, 2}}), {"-1/3"}, {"2/3"});  // soft
   expect_solution(rows_alone({1}, {1}, {{{1}, -0.5, 3, 1, 0.5}}), {"-1/2"}, {"1/2"});  // soft, at its bound
 }
 
@@ -98,7 +100,8 @@ TEST(CertifyRowsTest, FrictionOfARowGrowsWithItsLoad) {
 }
 
 TEST(CertifyRowsTest, EveryFormOfTheInertiaGivesTheSameMotion) {
-  ContactProblem contact = frictionless(vec({-1, 0.5}), Matrix(vec({1, 0})), DenseInertia{Matrix(vec({2, 4}).asDiagonal())});
+  const Matrix G = vec({2, 4}).asDiagonal();
+  ContactProblem contact = frictionless(vec({-1, 0.5}), Matrix(vec({1, 0})), DenseInertia{G});
   contact = with_rows(std::move(contact), {{{1, -1}, -0.25, 0.5}});
   const Fractions z{"3/2", "1/2"}, velocity{"0", "3/8"};
   expect_solution({"dense", contact}, z, velocity);
@@ -145,6 +148,33 @@ TEST(CertifyRowsTest, TryingEveryBasisProvesThatFrictionLeavesNoSolution) {
   EXPECT_EQ(none.kind, CertificateKind::kUnsolvable) << none.detail;
   EXPECT_EQ(none.proof, ProofKind::kEveryBasis);
   EXPECT_EQ(fractions(certify(thrown(0.5)).exact_z), (Fractions{"2", "-1"}));
+}
+
+/// What study/check_certificates.py says of a proof in which `from` is replaced.
+std::string checked(std::string proof, const std::string& from, const std::string& to) {
+  const std::size_t at = proof.find(from);
+  EXPECT_NE(at, std::string::npos) << from << " in " << proof;
+  if (at != std::string::npos) proof.replace(at, from.size(), to);
+  const ScratchFolder folder;
+  std::ofstream(folder / "proof.jsonl") << proof << "\n";
+  const std::string out = folder / "out";
+  const std::string command = CHECK_CERTIFICATES " '" + (folder / "proof.jsonl").string() + "' >'" + out + "' 2>&1";
+  EXPECT_EQ(std::system(command.c_str()) != 0, from != to);
+  return read_file(out);
+}
+
+TEST(CertifyRowsTest, TheCheckerRejectsProofsThatBoundsForbid) {
+  const Problem slides = rows_alone({1}, {2}, {{{1}, -0.5, 0.25}});
+  const std::string solution = proof_document(slides, certify(slides));
+  EXPECT_NE(checked(solution, "-0.5", "-0.5").find("1 accepted"), std::string::npos);
+  EXPECT_NE(checked(solution, "-0.5", "-0.375").find("below its lower bound"), std::string::npos);
+  EXPECT_NE(checked(solution, "-0.5", "-0.75").find("w > 0 above its lower bound"), std::string::npos);
+  const Problem contradict = rows_alone({1, 2}, {1, 1}, {{{1, 1}}, {{-1, -1}, -kNone, kNone, 0.5}});
+  const std::string none = proof_document(contradict, certify(contradict));
+  EXPECT_NE(checked(none, "[null,null]", "[null,null]").find("1 accepted"), std::string::npos);
+  EXPECT_NE(checked(none, R"("lower":[null,null])", R"("lower":[-8,-8])").find("which has a bound"), std::string::npos);
+  EXPECT_NE(checked(none, R"("b":[0,0.5])", R"("b":[0,0.5],"compliance":[0,1])").find("yields"), std::string::npos);
+  EXPECT_NE(checked(none, R"("b":[0,0.5])", R"("b":[0,0])").find("not negative"), std::string::npos);
 }
 
 // Small whole numbers, so that ties, redundant rows and contradictions are frequent.

@@ -66,9 +66,8 @@ bool are_opposite(const ContactProblem& contact) {
 }
 
 /// The velocity after the impact, to 113 bits, or z of a bare LCP.
-Vector answer_to(const Problem& problem) {
-  const auto solver =
-      make_solver(parse_spec(problem.contact() == nullptr ? "auto" : "contact_lemke{precision=quad}"));
+Vector answer_to(const Problem& problem, const char* contacts_by = "contact_lemke{precision=quad}") {
+  const auto solver = make_solver(parse_spec(problem.contact() == nullptr ? "auto" : contacts_by));
   Answer answer;
   solver->load(problem);
   solver->solve({}, answer);
@@ -162,15 +161,16 @@ ContactProblem body_with_rows() {
 
 TEST(ChangedTest, BoundedRowsKeepTheirMotion) {
   const Problem problem("rows", body_with_rows());
-  const Vector expected = answer_to(problem);
+  constexpr const char* kByAnyRows = "lemke";  // others take no two rows of friction with one load
+  const Vector expected = answer_to(problem, kByAnyRows);
   EXPECT_GT((expected - problem.contact()->v).norm(), 0.1);
   for (const auto& [name, change] : all_changes().values) {
     if (!applies(change, problem)) continue;
     for (std::int64_t draw = 0; draw < 8; ++draw) {
       const Problem other = changed(problem, change, draw);
       EXPECT_NO_THROW(check_contact(*other.contact(), name)) << name;
-      const Vector answer = drawn(change, draw).take_back(problem, answer_to(other));
-      EXPECT_LE((answer - expected).lpNorm<Eigen::Infinity>(), data_change(change) > 0 ? 1e-6 : 1e-12) << name << draw;
+      const Vector answer = drawn(change, draw).take_back(problem, answer_to(other, kByAnyRows));
+      EXPECT_LE((answer - expected).lpNorm<Eigen::Infinity>(), data_change(change) > 0 ? 1e-6 : 1e-10) << name << draw;
       EXPECT_NE(problem_hash(other), problem_hash(problem)) << name << draw;
       const bool is_twice = change == Change::kDuplicate || change == Change::kNearDuplicate;
       EXPECT_EQ(other.contact()->rows.size(), is_twice ? 6 : 5) << name;
