@@ -1,10 +1,10 @@
 // The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK SOFT MARKS COMMAND. It
-// runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts or bounded rows, and one that
-// fails, into FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver. With TRACK, a file
-// too, it is a replay: every step is measured (track.h), steps without contacts and the last one are written too, and
-// TRACK says which failure ended it. With SOFT, contacts are the softened ones that the engine itself solves. MARKS names
-// what of MODEL is measured, see read_marks(). COMMAND starts an engine that is a program of the user's. MODEL, TRACK,
-// SOFT, MARKS and COMMAND may be empty.
+// runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts or bounded rows, and one
+// that fails, into FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver.
+// With TRACK, a file too, it is a replay: every step is measured (track.h), steps without contacts and the last one
+// are written too, and TRACK says which failure ended it. With SOFT, contacts are the softened ones that the engine
+// itself solves. MARKS names what of MODEL is measured, see read_marks(). COMMAND starts an engine that is a program
+// of the user's. MODEL, TRACK, SOFT, MARKS and COMMAND may be empty.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

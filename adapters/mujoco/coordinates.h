@@ -9,8 +9,8 @@
 
 namespace lcpbench::capture {
 
-/// The inertia of a step over qvel: a block for each tree of joints. It is the one of MuJoCo's Euler step, which is implicit
-/// in the damping of joints: M + h diag(damping).
+/// The inertia of a step over qvel: a block for each tree of joints. It is the one of MuJoCo's Euler step, which is
+/// implicit in the damping of joints: M + h diag(damping).
 class Coordinates {
  public:
   /// @pre mj_forward was called @param soft  as MuJoCo itself solves: its mass matrix M

@@ -366,7 +366,8 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, n
     T, offset, impulses = np.zeros((len(rows), 2, model.nv)), np.zeros((len(rows), 2)), np.zeros((len(rows), 3))
     along_first, along_second = friction[of[place == 0], :2].T
     mu[at], compliance_t[at], impulses[:, 0] = along_first, R[normals + 1], h * force[rows]
-    for k, ratio in enumerate((np.ones(len(at)), along_second / along_first)):  # the second tangent is scaled, as mu is one number
+    # The second tangent is scaled, as mu is one number.
+    for k, ratio in enumerate((np.ones(len(at)), along_second / along_first)):
         along = normals + 1 + k
         T[at, k], offset[at, k] = ratio[:, None] * J[along], -ratio * target[along]
         impulses[at, 1 + k] = h * force[along] / ratio
@@ -390,8 +391,8 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str, n
     if len(elliptic):
         problem._engine_model = "convex"
     return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
-                row_impulses=row_impulses, velocity=before + h * _acceleration(model, data, J), contact_frames=_frames(data, rows), notes=notes,
-                **_seen(data))
+                row_impulses=row_impulses, velocity=before + h * _acceleration(model, data, J),
+                contact_frames=_frames(data, rows), notes=notes, **_seen(data))
 
 
 def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
@@ -402,14 +403,14 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     welds and free joints, are about angles ("rad"), others about lengths ("m"). So are tendons, but those that only hinges
     make: their length is a sum of angles, times numbers whose unit MuJoCo does not know.
 
-    Whatever the problem leaves out or has otherwise than MuJoCo's step is a line of the step's `notes`, with how many
-    there are: torsional and rolling friction (condim 4 and 6), which act as the forces that MuJoCo found, a velocity of a
+    Whatever the problem leaves out or has otherwise than MuJoCo's step is a line of the step's `notes`, with how many there
+    are: torsional and rolling friction (condim 4 and 6), which act as the forces that MuJoCo found, a velocity of a
     surface, trees that sleep, and others; what MuJoCo's answer to hard contacts is not to be blamed for is a warning, too.
     Of hard equality constraints, rows that repeat others up to 1 % are left out, as a loop in a plane has them: it comes
     apart a little in MuJoCo, and would be locked. What MuJoCo pushes along them counts as the others', and what these
-    cannot take as a force. Actuators act as MuJoCo takes them, by forces at the old state. Of the integrator RK4 it is the stage that MuJoCo solved last, and after `mj_forward` the first one. Of
-    implicit and implicitfast the inertia has the symmetric part of the forces' derivative; the other part, gyroscopic
-    torques, acts as if no contact changed it.
+    cannot take as a force. Actuators act as MuJoCo takes them, by forces at the old state. Of the integrator RK4 it is the
+    stage that MuJoCo solved last, and after `mj_forward` the first one. Of implicit and implicitfast the inertia has the
+    symmetric part of the forces' derivative; the other part, gyroscopic torques, acts as if no contact changed it.
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.

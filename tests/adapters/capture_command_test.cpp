@@ -53,7 +53,8 @@ double momentum_error(const SceneStep& step) {
                    times(problem.D, f.segment(problem.nc(), cols(problem.D)));
   if (problem.has_rows()) impulse += times(problem.rows.R, f.tail(problem.rows.size()));
   const Vector momentum = dense_inertia(problem.inertia) * (step.engine_velocity - problem.v);
-  return (impulse - momentum).norm() / std::max(impulse.norm(), momentum.norm());
+  constexpr double kNothing = 1e-6;  // N s: a loop that falls freely has rounding
+  return (impulse - momentum).norm() / std::max({impulse.norm(), momentum.norm(), kNothing});
 }
 
 void expect_sane(const SceneStep& step) {
@@ -302,7 +303,7 @@ TEST_F(Capture, WhatAModelHasBesidesContactsActsAndIsSaid) {
   for (std::size_t i = 0; i < file.count(); ++i) {
     const SceneStep step = file.read(i);
     EXPECT_LT(momentum_error(step), 1e-9);
-    EXPECT_GE(step.notes.size(), 2U);
+    EXPECT_GE(step.notes.size(), 1U);
     const BoundedRows& rows = step.problem.contact()->rows;
     ASSERT_EQ(rows.names.front(), "slide friction rail");
     EXPECT_EQ(rows.bounds.upper(0), 0.005 * 50);

@@ -363,7 +363,8 @@ class Capture(unittest.TestCase):
         text = """<mujoco><option timestep="0.005" integrator="implicitfast"/><worldbody><geom name="floor" type="plane"
           size="3 3 .1"/><body name="box" pos="0 0 .1"><freejoint/><geom name="box" type="box" size=".1 .1 .1"/>
           <body pos=".15 0 0"><joint name="a" axis="0 1 0" frictionloss=".01"/>
-          <geom type="capsule" fromto="0 0 0 .3 0 0" size=".04"/></body></body><body name="ball" pos="0 0 .25"><freejoint/><geom type="sphere" size=".05"/></body></worldbody>
+          <geom type="capsule" fromto="0 0 0 .3 0 0" size=".04"/></body></body>
+          <body name="ball" pos="0 0 .25"><freejoint/><geom type="sphere" size=".05"/></body></worldbody>
           <actuator><motor joint="a" ctrlrange="-1 1"/></actuator>
           <keyframe><key qpos="0 0 .1 1 0 0 0 -.2 .01 0 .25 1 0 0 0" ctrl=".5"/></keyframe></mujoco>"""
         python = os.path.dirname(sys.executable)
