@@ -212,7 +212,7 @@ bool Auto::solve_by_states(const SolveRequest& request, Answer& answer) {
     round == 1 ? between_->load_finite(Problem("", left)) : between_->update(Problem("", left));
     between_->solve({.start = start.size() > 0 ? &start : nullptr, .time_limit_s = deadline_s - wall_clock_s()}, part_);
     if (part_.claim != Claim::kSolved) return false;
-    const Vector velocity = part_.velocity.size() > 0 ? Vector(part_.velocity) : post_impact_velocity(*left, part_.z);
+    const Vector velocity = part_.velocity.size() > 0 ? Vector(part_.velocity) : states_.velocity_after(part_.z);
     are_right = states_.settle(part_.z, velocity);
     start = part_.z;
     report.add(part_.counters, "");

@@ -1,6 +1,5 @@
 #include "native/auto/row_states.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -313,7 +312,8 @@ void RowStates::reduce_contacts() {
       }
     }
     if (A.rows() == 0) continue;
-    contacts_.v.segment(group.first, A.rows()) = A.llt().solve(momentum);
+    group.reduced.compute(A);
+    contacts_.v.segment(group.first, A.rows()) = group.reduced.solve(momentum);
     inertia.blocks.push_back(std::move(A));
   }
   contacts_.N = reduced(problem.N, count);
@@ -347,6 +347,17 @@ void RowStates::add_offsets(const Vector& velocity) {
     if (edges > 2) contacts_.offset_t(2 * c + 1) += slip(direction + edges / 4);
     direction += edges;
   }
+}
+
+Vector RowStates::velocity_after(const Vector& z_of_contacts) const {
+  const Index nc = problem_->nc();
+  Vector change = times(contacts_.N, z_of_contacts.head(nc));
+  if (problem_->frictional()) change += times(contacts_.D, z_of_contacts.segment(nc, cols(contacts_.D)));
+  for (const Group& group : groups_) {
+    auto part = change.segment(group.first, std::ssize(group.free));
+    if (part.size() > 0) group.reduced.solveInPlace(part);
+  }
+  return contacts_.v + change;
 }
 
 bool RowStates::settle(const Vector& z_of_contacts, const Vector& velocity_of_contacts) {

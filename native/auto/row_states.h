@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "core/contact_problem.h"
 
 namespace lcpbench {
@@ -30,6 +32,8 @@ class RowStates {
   bool reduce();
   /// The problem of contacts that is left: its contacts are those of the problem, in their order.
   const ContactProblem& contacts() const { return contacts_; }
+  /// After these impulses of contacts(), by the factors of reduce().
+  Vector velocity_after(const Vector& z_of_contacts) const;
 
   /// Takes an answer of contacts() as one of the problem. @returns whether all rows have the right signs; if not, those
   /// that have not change their states
@@ -54,6 +58,7 @@ class RowStates {
     Matrix A;      ///< G and what rows that yield add to it
     Vector momentum;
     Index first = 0;  ///< of the reduced coordinates
+    Eigen::LLT<Matrix> reduced;  ///< factors of Z'A Z
   };
 
   void load_blocks(const ContactProblem& problem);
