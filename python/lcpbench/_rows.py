@@ -29,11 +29,12 @@ class Rows:
             self._fields[key].append(value)
         return True
 
-    def add_limits(self, name: str, direction: Any, is_angle: bool, q: float, bounds: Any, h: float) -> list[bool]:
-        """The lower and the upper limit of a position q, of those that are finite. Open gaps may close within the step h."""
-        return [np.isfinite(limit) and self.add(f"{name} {side}", sign * np.asarray(direction), is_angle, lower=0.0,
-                                                b=max(sign * (q - limit), 0.0) / h)
-                for side, sign, limit in zip(("lower", "upper"), (1.0, -1.0), bounds)]
+    def add_limit(self, name: str, direction: Any, is_angle: bool, sign: float, q: float, limit: float, h: float) -> bool:
+        """The lower limit of a position q, or with sign -1 the upper one, where it is finite. An open gap may close within
+        the step h."""
+        side, gap = "lower" if sign > 0 else "upper", sign * (q - limit)
+        return bool(np.isfinite(limit)) and self.add(f"{name} {side}", sign * np.asarray(direction), is_angle, lower=0.0,
+                                                     b=max(gap, 0.0) / h)
 
     def __len__(self) -> int:
         return len(self._columns)

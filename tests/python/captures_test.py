@@ -5,6 +5,7 @@ import os
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -50,8 +51,25 @@ def draws(test, step, shapes):
 def moves_as_captured(test, step, tolerance):
     """The engine's impulses take the velocity without contacts to the engine's velocity."""
     problem = step.problem
-    z = lcpbench._native.complete_answer(problem._data, step.impulses, "pyramid")
+    z = lcpbench._native.complete_answer(problem._data, step.impulses, "pyramid", step.row_impulses)
     np.testing.assert_allclose(problem._data.velocity(z), step.velocity, atol=tolerance)
+
+
+def rows_of(step):
+    """By their names, of each bounded row its direction, bounds, offset, compliance and unit."""
+    rows = step.problem.rows
+    fields = ("lower", "upper", "b", "compliance", "unit")
+    return {name: (rows["R"][:, i], *(rows[field][i] for field in fields)) for i, name in enumerate(rows["names"])}
+
+
+def moves_to(test, step, velocity, tolerance=1e-9, **impulses):
+    """The solution of the captured problem. @param impulses  of rows, by names with _ for spaces"""
+    answer = lcpbench.solve(step.problem)
+    test.assertEqual(answer.verdict, "solved")
+    np.testing.assert_allclose(answer.velocity, velocity, atol=tolerance)
+    names = [] if step.problem.rows is None else step.problem.rows["names"]
+    for name, value in impulses.items():
+        test.assertAlmostEqual(answer.row_impulses[names.index(name.replace("_", " "))], value, delta=tolerance, msg=name)
 
 
 @unittest.skipIf(pybullet is None, "PyPI's pybullet is not installed")
@@ -262,6 +280,143 @@ class Drake(unittest.TestCase):
             plant.SetFreeBodySpatialVelocity(context, box, drake.SpatialVelocity([0] * 3, [0, 0, 1]))
         np.testing.assert_allclose(step.problem.N.T @ plant.GetVelocities(context), 1, atol=1e-2)
         self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
+
+    def mechanism(self, add, approximation="kSap"):
+        """A plant of 10 ms without gravity. @param add  adds to it  @returns it, its context, and what keeps them alive"""
+        builder = drake.DiagramBuilder()
+        plant, _ = drake.AddMultibodyPlantSceneGraph(builder, 0.01)
+        plant.SetUseSampledOutputPorts(False)
+        plant.set_discrete_contact_approximation(getattr(drake.DiscreteContactApproximation, approximation))
+        plant.mutable_gravity_field().set_gravity_vector(np.zeros(3))
+        add(plant)
+        plant.Finalize()
+        diagram = builder.Build()
+        root = diagram.CreateDefaultContext()
+        return plant, plant.GetMyMutableContextFromRoot(root), (diagram, root)
+
+    def arms(self, count, **options):
+        """Arms of 2 kg m^2 on hinges of the world."""
+        def add(plant):
+            inertia = drake.SpatialInertia(1.0, np.zeros(3), drake.UnitInertia(2, 2, 2))
+            for k in range(count):
+                arm = plant.AddRigidBody(f"arm{k}", inertia)
+                plant.AddJoint(drake.RevoluteJoint(f"hinge{k}", plant.world_frame(), arm.body_frame(), [0, 1, 0], **options))
+        return add
+
+    def test_a_limit_of_a_joint_is_a_row(self):
+        for approximation in ("kSap", "kTamsi"):
+            plant, context, kept = self.mechanism(self.arms(1, pos_lower_limit=-1, pos_upper_limit=0.5), approximation)
+            for q, v, torque, moves, impulse in ((0.5, 3, 0, 0, 6), (0.5, 0, 4, 0, 0.04), (0.48, 3, 0, 2, 2), (0.4, 3, 0, 3, 0),
+                                                 (0.6, -1, 0, -1, 0), (0.6, 1, 0, 0, 2)):
+                plant.SetPositions(context, [q])
+                plant.SetVelocities(context, [v])
+                plant.get_applied_generalized_force_input_port().FixValue(context, [torque])
+                step = lcpbench.drake.capture(plant, context)
+                self.assertEqual((list(rows_of(step)), step.notes),
+                                 (["joint limit hinge0 lower", "joint limit hinge0 upper"], []))
+                np.testing.assert_allclose(step.problem.v, [v + 0.01 * torque / 2], atol=1e-12)
+                moves_as_captured(self, step, 1e-12)
+                moves_to(self, step, [moves], joint_limit_hinge0_upper=impulse, joint_limit_hinge0_lower=0)
+        self.assertEqual(step.problem.rows["unit"], ["rad", "rad"])
+
+    def test_a_coupler_is_a_gear(self):
+        def add(plant):
+            self.arms(2)(plant)
+            plant.AddCouplerConstraint(plant.GetJointByName("hinge0"), plant.GetJointByName("hinge1"), 2.0)
+        plant, context, kept = self.mechanism(add)
+        plant.SetVelocities(context, [5, 0])
+        step = lcpbench.drake.capture(plant, context)
+        # One coordinate s with v = (2 s, s): 2 (4 + 1) s = 2 (2 5).
+        moves_to(self, step, [4, 2], coupler_hinge0_and_hinge1=-2)
+        moves_as_captured(self, step, 1e-9)
+        np.testing.assert_allclose(step.velocity, [4, 2], rtol=1e-3)  # nearly rigid in Drake
+        np.testing.assert_allclose(step.row_impulses, [-2], rtol=1e-3)
+        identifier, = plant.GetConstraintIds()
+        plant.SetConstraintActiveStatus(context, identifier, False)
+        self.assertIsNone(lcpbench.drake.capture(plant, context).problem.rows)
+
+    def test_a_controller_with_an_effort_limit_is_a_row(self):
+        p, d, h = 30.0, 4.0, 0.01
+        def add(plant):
+            self.arms(1)(plant)
+            motor = plant.AddJointActuator("motor", plant.GetJointByName("hinge0"), 5.0)
+            motor.set_controller_gains(drake.PdControllerGains(p=p, d=d))
+        plant, context, kept = self.mechanism(add)
+        instance = plant.GetBodyByName("arm0").model_instance()
+        desired, forward = plant.get_desired_state_input_port(instance), plant.get_actuation_input_port(instance)
+        self.assertIsNone(lcpbench.drake.capture(plant, context).problem.rows)  # disarmed
+        plant.SetPositions(context, [0.1])
+        plant.SetVelocities(context, [0.2])
+        forward.FixValue(context, [0.5])
+        for target in (0.15, 4.0, -4.0):
+            desired.FixValue(context, [target, 0.3])
+            step = lcpbench.drake.capture(plant, context)
+            # 2 (v+ - v) = h u, u = -p (q + h v+ - target) - d (v+ - 0.3) + 0.5, between -5 and 5.
+            v = (2 * 0.2 + h * (p * (target - 0.1) + d * 0.3 + 0.5)) / (2 + h * (d + h * p))
+            impulse = np.clip(2 * (v - 0.2), -5 * h, 5 * h)
+            moves_to(self, step, [0.2 + impulse / 2], motor_motor=impulse)
+            np.testing.assert_allclose(step.row_impulses, [impulse], atol=1e-9)  # Drake's own
+            self.assertEqual(rows_of(step)["motor motor"][1:3] + rows_of(step)["motor motor"][5:], (-0.05, 0.05, "rad"))
+            moves_as_captured(self, step, 1e-9)
+            self.assertEqual(lcpbench.check(step).verdict, "solved")
+
+    def test_bodies_that_are_tied(self):
+        ball = drake.SpatialInertia(2.0, np.zeros(3), drake.UnitInertia(0.5, 0.5, 0.5))
+        def tied(tie):
+            def add(plant):
+                a, b = (plant.AddRigidBody(name, ball) for name in "ab")
+                tie(plant, a, b)
+            plant, context, kept = self.mechanism(add)
+            plant.SetFreeBodyPose(context, plant.GetBodyByName("b"), drake.RigidTransform([2, 0, 0]))
+            plant.SetFreeBodySpatialVelocity(context, plant.GetBodyByName("a"), drake.SpatialVelocity([0, 0, 0], [1, 3, 0]))
+            step = lcpbench.drake.capture(plant, context)
+            moves_as_captured(self, step, 1e-9)
+            self.assertEqual(step.notes, [])
+            return step, kept
+
+        here, there = np.zeros(3), np.array([2.0, 0, 0])
+        step, kept = tied(lambda plant, a, b: plant.AddDistanceConstraint(a, here, b, here, 2.0))
+        moves_to(self, step, [0, 0, 0, 0.5, 3, 0, 0, 0, 0, 0.5, 0, 0], distance_a_and_b=1.0)
+        # A spring of 200 N/m and 5 N s/m, 0.5 m too long: (w + 200 h w + 5 w) h = 2 ... of the approach w = 2 f / 2 - 1.
+        step, kept = tied(lambda plant, a, b: plant.AddDistanceConstraint(a, here, b, here, 1.5, 200.0, 5.0))
+        f = (200 * (0.5 - 0.01) - 5) * 0.01 / (1 + 0.01 * (200 * 0.01 + 5))
+        moves_to(self, step, [0, 0, 0, 1 + f / 2, 3, 0, 0, 0, 0, -f / 2, 0, 0], distance_a_and_b=-f)
+        np.testing.assert_allclose(step.velocity, lcpbench.solve(step.problem).velocity, atol=1e-6)
+        step, kept = tied(lambda plant, a, b: plant.AddBallConstraint(a, there, b, here))
+        self.assertEqual(list(rows_of(step)), [f"ball a and b {axis}" for axis in "xyz"])
+        # b is a point of a at 2 m: the impulse f along y moves a by f / 2 and turns it by 2 f; b moves by f / 2.
+        f = 3 / (0.5 + 4 + 0.5)
+        moves_to(self, step, [0, 0, -2 * f, 0.5, 3 - f / 2, 0, 0, 0, 0, 0.5, f / 2, 0])
+        np.testing.assert_allclose(step.velocity, lcpbench.solve(step.problem).velocity, atol=2e-3)
+        step, kept = tied(lambda plant, a, b: plant.AddWeldConstraint(a, drake.RigidTransform(there), b,
+                                                                      drake.RigidTransform()))
+        self.assertEqual(step.problem.rows["unit"], ["m"] * 3 + ["rad"] * 3)
+        # One body of 4 kg, of inertia 1 + 1 + 2 + 2 about its middle, with the angular momentum -2 3 1.
+        moves_to(self, step, [0, 0, -1, 0.5, 0.5, 0, 0, 0, -1, 0.5, 2.5 - 3, 0][:3] + [0.5, 2.5, 0, 0, 0, -1, 0.5, 0.5, 0])
+        np.testing.assert_allclose(step.velocity, lcpbench.solve(step.problem).velocity, atol=2e-3)
+
+    def test_a_locked_joint_does_not_move(self):
+        plant, context, kept = self.mechanism(self.arms(2))
+        plant.GetJointByName("hinge1").Lock(context)
+        plant.get_applied_generalized_force_input_port().FixValue(context, [3, 4])
+        step = lcpbench.drake.capture(plant, context)
+        moves_to(self, step, [0.015, 0], lock_hinge1=-0.04)
+        moves_as_captured(self, step, 1e-12)
+
+    def test_forces_on_bodies_and_forces_that_are_not_known(self):
+        plant, context, kept = self.mechanism(self.arms(1, damping=0.3))
+        plant.SetVelocities(context, [2])
+        force = drake.ExternallyAppliedSpatialForce()
+        force.body_index, force.p_BoBq_B = plant.GetBodyByName("arm0").index(), np.array([0.5, 0, 0])
+        force.F_Bq_W = drake.SpatialForce([0, 1, 0], [0, 0, -4])  # turns by 0.5 4 more about y
+        plant.get_applied_spatial_force_input_port().FixValue(context, [force])
+        step = lcpbench.drake.capture(plant, context)
+        self.assertEqual(step.notes, [])
+        moves_to(self, step, [(2 * 2 + 0.01 * 3) / (2 + 0.01 * 0.3)], 1e-12)
+        with unittest.mock.patch("lcpbench.drake._forces", return_value=np.zeros(1)):
+            step = lcpbench.drake.capture(plant, context)
+        self.assertEqual(step.notes, ["coordinates on which other forces act as Drake found them: 1"])
+        moves_as_captured(self, step, 1e-12)
 
     def test_sampled_and_continuous_plants_are_outside(self):
         plant, context, _ = self.plant(sampled=True)
