@@ -1,4 +1,4 @@
-"""Contacts of a discrete MultibodyPlant of Drake (PyPI's `drake`).
+"""Contacts and joints of a discrete MultibodyPlant of Drake (PyPI's `drake`).
 
     plant.SetUseSampledOutputPorts(False)  # before plant.Finalize()
     ...

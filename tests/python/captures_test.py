@@ -513,10 +513,79 @@ class Pinocchio(unittest.TestCase):
 
     def test_other_constraints_are_outside(self):
         model = pinocchio.buildSampleModelManipulator()
-        anchor = pinocchio.PointAnchorConstraintModel(model, 1)
-        with self.assertRaisesRegex(lcpbench.InputError, "PointAnchor"):
+        with self.assertRaisesRegex(lcpbench.InputError, r"constraint_models\[0\]: float is outside"):
             lcpbench.pinocchio.capture(model, model.createData(), pinocchio.neutral(model), np.zeros(model.nv),
-                                       np.zeros(model.nv), [anchor], [anchor.createData()], 0.01)
+                                       np.zeros(model.nv), [1.0], [None], 0.01)
+
+    def arm(self, *joints):
+        """A chain of links of 2 kg m^2 or 2 kg, each on a joint at the place of the last."""
+        model = pinocchio.Model()
+        model.gravity.linear = np.zeros(3)
+        last = 0
+        for k, joint in enumerate(joints):
+            last = model.addJoint(last, joint, pinocchio.SE3.Identity(), f"joint{k}")
+            model.appendBodyToJoint(last, pinocchio.Inertia(2, np.zeros(3), 2 * np.eye(3)), pinocchio.SE3.Identity())
+        model.lowerPositionLimit, model.upperPositionLimit = np.full(model.nq, -0.5), np.full(model.nq, 0.5)
+        model.lowerDryFrictionLimit, model.upperDryFrictionLimit = np.full(model.nv, -3.0), np.full(model.nv, 3.0)
+        return model
+
+    def captured(self, model, q, v, tau, *constraints, **more):
+        return lcpbench.pinocchio.capture(model, model.createData(), np.array(q), np.array(v, float), np.array(tau, float),
+                                          constraints, [each.createData() for each in constraints], 0.01, **more)
+
+    def test_a_limit_of_a_joint_is_a_row(self):
+        for joint, unit in ((pinocchio.JointModelRY(), "rad"), (pinocchio.JointModelPX(), "m")):
+            model = self.arm(joint)
+            for q, v, moves, impulse in ((0.5, 3, 0, 6), (0.48, 3, 2, 2), (0.4, 3, 3, 0), (0.6, -1, -1, 0)):
+                step = self.captured(model, [q], [v], [0], pinocchio.JointLimitConstraintModel(model))
+                self.assertEqual(step.problem.rows["names"], ["limit joint0 lower", "limit joint0 upper"])
+                moves_to(self, step, [moves], limit_joint0_upper=impulse)
+            self.assertEqual(step.problem.rows["unit"], [unit, unit])
+            near = pinocchio.JointLimitConstraintModel(model, [1], np.array([-0.5]), np.array([0.5]), np.array([0.1]))
+            near.makeSelectionFilteredByLimitProximity(np.array([0.45]))
+            self.assertEqual(list(rows_of(self.captured(model, [0.45], [0], [0], near))), ["limit joint0 upper"])
+
+    def test_friction_of_a_joint_is_a_row(self):
+        model = self.arm(pinocchio.JointModelRY(), pinocchio.JointModelPX())
+        friction = pinocchio.JointFrictionConstraintModel(model, [1])
+        for v, moves, impulse in ((1, 1 - 0.015, -0.03), (0.01, 0, -0.02), (-1, -1 + 0.015, 0.03)):
+            step = self.captured(self.arm(pinocchio.JointModelRY()), [0], [v], [0],
+                                 pinocchio.JointFrictionConstraintModel(self.arm(pinocchio.JointModelRY())))
+            moves_to(self, step, [moves], friction_joint0=impulse)
+        step = self.captured(model, [0, 0], [0, 0], [2, 1], friction)
+        self.assertEqual(list(rows_of(step)), ["friction joint0"])
+        friction.setCompliance(np.array([0.1]))
+        self.assertEqual(self.captured(model, [0, 0], [0, 0], [2, 1], friction).notes,
+                         ["constraints with a compliance, left out: 1"])
+
+    def test_anchors_and_rigid_constraints_close_loops(self):
+        model = self.arm(pinocchio.JointModelPX(), pinocchio.JointModelPY(), pinocchio.JointModelRZ())
+        tip = pinocchio.SE3(np.eye(3), np.array([0, 2.0, 0]))
+        kinds = pinocchio.ContactType
+        for anchor in (pinocchio.PointAnchorConstraintModel(model, 0, tip, 3, tip),
+                       pinocchio.RigidConstraintModel(kinds.CONTACT_3D, model, 0, tip, 3, tip)):
+            anchor.name = "tip"
+            step = self.captured(model, [0, 0, 0], [3, 0, 0], [0, 0, 0], anchor)
+            # 6 kg along x and 4 along y turn about the tip: x' = 2 w, so that 6 (x' - 3) = f and 2 w = -2 f.
+            w = 2 * 6 * 3 / (2 + 4 * 6)
+            moves_to(self, step, [2 * w, 0, w])
+            self.assertEqual(list(rows_of(step)), ["anchor tip x", "anchor tip y"])  # along z nothing moves
+        for anchor in (pinocchio.FrameAnchorConstraintModel(model, 0, tip, 3, tip),
+                       pinocchio.RigidConstraintModel(kinds.CONTACT_6D, model, 0, tip, 3, tip)):
+            step = self.captured(model, [0, 0, 0], [3, 1, 0], [0, 0, 5], anchor)
+            moves_to(self, step, [0, 0, 0])
+            self.assertEqual(step.problem.rows["unit"], ["m", "m", "rad"])
+
+    def test_a_planar_loop_beside_a_contact(self):
+        # A door of 2 kg m^2 with friction in its hinge turns against a stop at 1 m: the contact takes what friction leaves.
+        model = self.arm(pinocchio.JointModelRZ())
+        stop = pinocchio.SE3(np.array([[0, 0, 1.0], [0, 1, 0], [-1, 0, 0]]), np.array([0, 1.0, 0]))  # its normal is x
+        contact = pinocchio.PointContactConstraintModel(model, 0, stop, 1, stop)
+        contact.setFriction(0.0)
+        friction = pinocchio.JointFrictionConstraintModel(model)
+        step = self.captured(model, [0], [0.7], [0], friction, contact)
+        moves_to(self, step, [0], friction_joint0=-0.03)
+        np.testing.assert_allclose(lcpbench.solve(step.problem).normal_impulses, [2 * 0.7 - 0.03])
 
 
 if __name__ == "__main__":
