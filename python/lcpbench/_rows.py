@@ -66,4 +66,5 @@ class Rows:
         """The argument `rows` of a Problem; None where there are none."""
         if not self._columns:
             return None
-        return {"R": self.R, **self._fields, "names": numbered(self._fields["names"])}
+        fields = {key: list(values) for key, values in self._fields.items()}
+        return {"R": self.R, **fields, "names": numbered(fields["names"])}
