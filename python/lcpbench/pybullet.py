@@ -35,7 +35,11 @@ def _parts(client: Any, more: dict[str, int]) -> list[tuple[int, int, Any, np.nd
     for k in range(client.getNumBodies(**more)):
         body = client.getBodyUniqueId(k, **more)
         for link in range(-1, client.getNumJoints(body, **more)):
-            for shape in client.getCollisionShapeData(body, link, **more):
+            try:
+                found = client.getCollisionShapeData(body, link, **more)
+            except client.error:  # of a body with useMaximalCoordinates PyBullet tells none
+                found = ()
+            for shape in found:
                 corners = np.zeros((2, 3))
                 if shape[2] == client.GEOM_MESH:
                     points = np.array(client.getMeshData(body, link, **more)[1])
@@ -392,7 +396,7 @@ def capture(client: Any = None, *, motors: Mapping[tuple[int, int], Mapping[str,
             fields["b"][row] += gain * float(direction @ velocity)
         T = np.reshape(jacobians, (len(contacts), 3, world.size))
         return Problem(G=[of.inertia for of in world.bodies.values()], N=T[:, 0].T,
-                       tangents=T[:, 1:].reshape(-1, world.size).T, mu=np.array([each["mu"] for each in contacts]),
+                       tangents=np.reshape(T[:, 1:], (2 * len(contacts), world.size)).T, mu=np.array([each["mu"] for each in contacts]),
                        v=velocity, b=np.array([each["b"] for each in contacts]), rows=fields, name=title)
 
     moved = problem(after, "")

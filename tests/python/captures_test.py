@@ -169,12 +169,177 @@ class PyBullet(unittest.TestCase):
                                  linkInertialFrameOrientations=[[0, 0, 0, 1]], linkParentIndices=[0],
                                  linkJointTypes=[joint], linkJointAxis=[[0, 0, 1]])
 
-    def test_bodies_with_joints_are_outside(self):
-        for base_mass in (0, 1):
-            self.build()
-            self.two_links(base_mass, pybullet.JOINT_REVOLUTE)
-            with self.assertRaisesRegex(lcpbench.InputError, "joints"):
-                lcpbench.pybullet.capture()
+    def empty(self, gravity=0.0):
+        pybullet.resetSimulation()
+        pybullet.setGravity(0, 0, gravity)
+
+    def ball(self, x, velocity=(0, 0, 0), maximal=False):
+        """A free ball of 2 kg and, unless it has maximal coordinates, 0.5 kg m^2, without damping."""
+        sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
+        body = pybullet.createMultiBody(2, sphere, basePosition=[x, 0, 0], useMaximalCoordinates=maximal)
+        inertia = {} if maximal else dict(localInertiaDiagonal=[0.5, 0.5, 0.5])
+        pybullet.changeDynamics(body, -1, linearDamping=0, angularDamping=0, **inertia)
+        pybullet.resetBaseVelocity(body, velocity)
+        pybullet.setCollisionFilterGroupMask(body, -1, 0, 0)
+        return body
+
+    def arms(self, count):
+        """One body: arms of 2 kg m^2 on hinges about z of an immovable base, with motors that are off."""
+        sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
+        body = pybullet.createMultiBody(
+            0, -1, linkMasses=[1] * count, linkCollisionShapeIndices=[sphere] * count, linkVisualShapeIndices=[-1] * count,
+            linkPositions=[[k, 0, 0] for k in range(count)], linkOrientations=[[0, 0, 0, 1]] * count,
+            linkInertialFramePositions=[[0] * 3] * count, linkInertialFrameOrientations=[[0, 0, 0, 1]] * count,
+            linkParentIndices=[0] * count, linkJointTypes=[pybullet.JOINT_REVOLUTE] * count, linkJointAxis=[[0, 0, 1]] * count)
+        for k in range(-1, count):
+            pybullet.changeDynamics(body, k, linearDamping=0, angularDamping=0, jointDamping=0)
+        for k in range(count):
+            pybullet.changeDynamics(body, k, localInertiaDiagonal=[2, 2, 2])
+            pybullet.setJointMotorControl2(body, k, pybullet.VELOCITY_CONTROL, force=0)
+        return body
+
+    def captured(self, **more):
+        pybullet.stepSimulation()
+        step = lcpbench.pybullet.capture(**more)
+        moves_as_captured(self, step, 1e-12)
+        return step
+
+    def test_coordinates_of_bodies_with_joints_are_bullets(self):
+        for base_mass, kinds in ((0, "RRR"), (1, "RPF"), (1, "PRR"), (0, "SRR")):
+            self.empty()
+            named = dict(R=pybullet.JOINT_REVOLUTE, P=pybullet.JOINT_PRISMATIC, F=pybullet.JOINT_FIXED,
+                         S=pybullet.JOINT_SPHERICAL)
+            box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.2, 0.05, 0.1])
+            body = pybullet.createMultiBody(
+                base_mass, box, basePosition=[0, 0, 1], baseOrientation=[0, 0.6, 0, 0.8], linkMasses=[1, 2, 3],
+                linkCollisionShapeIndices=[box] * 3, linkVisualShapeIndices=[-1] * 3, linkPositions=[[0.2, 0.1, 0]] * 3,
+                linkOrientations=[[0, 0.28, 0, 0.96]] * 3, linkInertialFramePositions=[[0.2, 0.1, 0]] * 3,
+                linkInertialFrameOrientations=[[0, 0, 0.6, 0.8]] * 3, linkParentIndices=[0, 1, 2],
+                linkJointTypes=[named[kind] for kind in kinds], linkJointAxis=[[0, 1, 0], [0.6, 0.8, 0], [0, 0, 1]])
+            rng = np.random.default_rng(0)
+            pybullet.resetBaseVelocity(body, rng.standard_normal(3) * base_mass, rng.standard_normal(3) * base_mass)
+            for k, kind in enumerate(kinds):
+                pybullet.changeDynamics(body, k, linearDamping=0, angularDamping=0, jointDamping=0)
+                if kind == "S":
+                    pybullet.resetJointStateMultiDof(body, k, [0, 0.6, 0, 0.8], rng.standard_normal(3))
+                elif kind != "F":
+                    pybullet.resetJointState(body, k, *rng.standard_normal(2))
+                    pybullet.setJointMotorControl2(body, k, pybullet.VELOCITY_CONTROL, force=0)
+            links = [pybullet.getLinkState(body, k, computeLinkVelocity=1, computeForwardKinematics=1) for k in range(3)]
+            now = lcpbench.pybullet._World(pybullet, {}, 0.0)  # the last step had no length: before it is now
+            for k, (place, _, _, _, _, _, linear, angular) in enumerate(links):
+                moves = now.jacobian(body, k, np.array(place)) @ now.bodies[body].velocity
+                np.testing.assert_allclose(moves, [*angular, *linear], atol=1e-6)  # axes are known in single precision
+            if "S" not in kinds:
+                at = [pybullet.getJointState(body, k)[0] for k in range(3) if kinds[k] != "F"]
+                M = np.array(pybullet.calculateMassMatrix(body, at))[-len(at) :, -len(at) :]
+                np.testing.assert_allclose(now.bodies[body].inertia[-len(at) :, -len(at) :], M, atol=1e-6)
+            pybullet.stepSimulation()
+            before = lcpbench.pybullet._World(pybullet, {}, 1 / 240).poses()
+            for k, link in enumerate(links):
+                np.testing.assert_allclose(before[body, k][0], link[0], atol=1e-6)
+            if base_mass:
+                self.assertEqual(lcpbench.pybullet.capture().problem.kind, "contact")
+
+    def test_motors_are_rows(self):
+        h, h2 = 1 / 240, pybullet.VELOCITY_CONTROL
+        told = ((dict(controlMode=h2, targetVelocity=0.6, force=100), 0.6), (dict(controlMode=h2, targetVelocity=0.6, force=2), 0.5 + h),
+                (dict(controlMode=h2, targetVelocity=0.6, velocityGain=0.5, force=100), 0.55),
+                (dict(controlMode=pybullet.POSITION_CONTROL, targetPosition=0.02, positionGain=0.25, force=500), 0.25 * 0.02 / h),
+                (dict(controlMode=pybullet.POSITION_CONTROL, targetPosition=0.02, maxVelocity=0.3, force=500), 0.3))
+        for motor, moves in told:
+            for substeps in (1, 2):
+                self.empty()
+                pybullet.setPhysicsEngineParameter(fixedTimeStep=h, numSubSteps=0)
+                body = self.arms(1)
+                pybullet.resetJointState(body, 0, 0.0, 0.5)
+                pybullet.setJointMotorControl2(body, 0, **motor)
+                untold = None if substeps == 1 else {}
+                step = self.captured(motors={(body, 0): motor} if untold is None else untold)
+                np.testing.assert_allclose(step.velocity, [moves], atol=1e-9)
+                if untold is None:
+                    moves_to(self, step, [moves], motor_joint1=2 * (moves - 0.5))
+                    np.testing.assert_allclose(step.row_impulses, [2 * (moves - 0.5)], atol=1e-9)  # Bullet's own
+                    np.testing.assert_allclose(step.problem.v, [0.5], atol=1e-9)
+                    limit = motor["force"] * h
+                    np.testing.assert_allclose(rows_of(step)["motor joint1"][1:3], [-limit, limit])
+                    self.assertEqual((step.problem.rows["unit"], step.notes), (["rad"], []))
+                else:
+                    self.assertEqual(step.notes, ["motors that were not told, as the forces that Bullet found: 1"])
+                    np.testing.assert_allclose(step.problem.v, [moves], atol=1e-9)
+        for motors, said in (({(body, 3): motor}, "is no joint that moves"), ({(body, 0): {}}, "controlMode is None")):
+            with self.assertRaisesRegex(lcpbench.InputError, f"^motors: .*{said}"):
+                lcpbench.pybullet.capture(motors=motors)
+
+    def test_a_limit_of_a_joint_is_a_row(self):
+        h = 1 / 240
+        for q, v, moves in ((0.4, 3, 3), (0.5 - h, 3, 1), (0.5 - h, -2, -2)):
+            self.empty()
+            with tempfile.NamedTemporaryFile("w", suffix=".urdf") as file:
+                link = '<inertial><mass value="1"/><inertia ixx="2" iyy="2" izz="2" ixy="0" ixz="0" iyz="0"/></inertial>'
+                file.write(f'''<robot name="arm"><link name="base">{link}</link><link name="arm">{link}</link>
+                    <joint name="joint1" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+                    <limit lower="-0.5" upper="0.5" effort="9" velocity="9"/></joint></robot>''')
+                file.flush()
+                body = pybullet.loadURDF(file.name, useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE)
+            pybullet.changeDynamics(body, 0, linearDamping=0, angularDamping=0, jointDamping=0)
+            pybullet.setJointMotorControl2(body, 0, pybullet.VELOCITY_CONTROL, force=0)
+            pybullet.resetJointState(body, 0, q, v)
+            step = self.captured()
+            self.assertEqual(list(rows_of(step)), ["joint limit joint1 lower", "joint limit joint1 upper"])
+            np.testing.assert_allclose(step.problem.v, [v], atol=1e-9)
+            moves_to(self, step, [moves], 1e-9, joint_limit_joint1_upper=2 * (v - moves))
+            self.assertEqual(step.notes, [])
+        pybullet.resetJointState(body, 0, 0.51, 1)
+        step = self.captured()
+        self.assertLess(step.velocity[0], 1)
+        self.assertEqual(step.notes, ["limits of joints that are reached, whose impulses PyBullet does not tell: they act as "
+                                      "Bullet found them beside the rows: 1"])
+
+    def test_a_gear_is_a_row(self):
+        self.empty()
+        body = self.arms(2)
+        gear = pybullet.createConstraint(body, 0, body, 1, pybullet.JOINT_GEAR, [0, 0, 1], [0, 0, 0], [0, 0, 0])
+        pybullet.changeConstraint(gear, gearRatio=-2, maxForce=10000)
+        pybullet.resetJointState(body, 0, 0.0, 5.0)
+        step = self.captured()
+        # v_0 = 2 v_1: one coordinate s with v = (2 s, s), 2 (4 + 1) s = 2 (2 5).
+        name, = step.problem.rows["names"]
+        moves_to(self, step, [4, 2], **{name: -2})
+        np.testing.assert_allclose(step.velocity, [4, 2], atol=1e-6)
+        np.testing.assert_allclose(step.problem.v, [5, 0], atol=1e-9)
+        np.testing.assert_allclose(rows_of(step)[name][1:3], [-10000 / 240, 10000 / 240])
+        pybullet.changeConstraint(gear, gearRatio=-2, maxForce=24)
+        pybullet.resetJointState(body, 0, 0.0, 5.0)
+        pybullet.resetJointState(body, 1, 0.0, 0.0)
+        moves_to(self, self.captured(), [4.95, 0.1], **{name: -0.1})  # slips
+
+    def test_constraints_between_bodies_are_rows(self):
+        # The balls of 2 kg and 0.5 kg m^2 at 0 and 2 m, of which one moves; tied at a point of the first one.
+        f = 3 / (0.5 + 4 / 0.5 + 0.5)
+        w = -(2 * 1.5 * 1 * 1 + 2 * 1.5 * 1) / (0.5 + 0.5 + 2 + 2)
+        expected = {
+            pybullet.JOINT_POINT2POINT: [0.5, 3 - f / 2, 0, 0, 0, -2 * f / 0.5, 0.5, f / 2, 0, 0, 0, 0],
+            pybullet.JOINT_FIXED: [0.5, 1.5 - w, 0, 0, 0, w, 0.5, 1.5 + w, 0, 0, 0, w],
+            pybullet.JOINT_PRISMATIC: [1, 1.5 - w, 0, 0, 0, w, 0, 1.5 + w, 0, 0, 0, w]}
+        for maximal in (False, True):
+            for kind, velocity in expected.items():
+                if maximal and kind == pybullet.JOINT_PRISMATIC:
+                    continue  # PyBullet has none
+                self.empty()
+                bodies = [self.ball(x, v, maximal) for x, v in ((0, [1, 3, 0]), (2, [0, 0, 0]))]
+                pybullet.createConstraint(bodies[0], -1, bodies[1], -1, kind, [1, 0, 0], [2, 0, 0], [0, 0, 0])
+                step = self.captured()
+                self.assertEqual(step.problem.rows["unit"], ["m"] * 3 if kind == pybullet.JOINT_POINT2POINT else
+                                 ["m", "m", "m", "rad", "rad", "rad"] if kind == pybullet.JOINT_FIXED else ["m"] * 2 + ["rad"] * 3)
+                moves_to(self, step, velocity if not maximal else step.velocity, 1e-4 if maximal else 1e-9)
+                if maximal:
+                    self.assertEqual([each.split(",")[0] for each in step.notes],
+                                     ["constraints whose impulses PyBullet does not tell"])
+                else:
+                    np.testing.assert_allclose(step.velocity, velocity, atol=1e-3)
+                    np.testing.assert_allclose(step.problem.v, [1, 3] + [0] * 10, atol=1e-9)
+                    self.assertEqual((step.notes, rows_of(step)[step.problem.rows["names"][0]][1]), ([], -500))
 
     def test_a_contact_has_the_friction_of_its_link(self):
         pybullet.resetSimulation()
