@@ -264,7 +264,7 @@ def _add_joints(client: Any, more: dict[str, int], world: _World, motors: dict[t
     direction and that gain less 1: Bullet takes it of the velocity without constraints."""
     gains = []
     for body, of in world.bodies.items():
-        for k, info, dof, q in of.joints:
+        for k, info, _, q in of.joints:
             told = motors.pop((body, k), None)
             name, kind, low, high = info[1].decode(), info[2], info[8], info[9]
             if kind == client.JOINT_SPHERICAL:
@@ -386,7 +386,7 @@ def capture(client: Any = None, *, motors: Mapping[tuple[int, int], Mapping[str,
         """With this velocity without contacts and rows."""
         if is_scene:
             bodies = []
-            for body, of in world.bodies.items():
+            for of in world.bodies.values():
                 v = velocity[of.first : of.first + 6]
                 bodies.append(dict(mass=of.inertia[0, 0], inertia=of.inertia[3:, 3:], position=of.poses[-1][0],
                                    linear_velocity=v[:3], angular_velocity=v[3:]))

@@ -341,6 +341,30 @@ class PyBullet(unittest.TestCase):
                     np.testing.assert_allclose(step.problem.v, [1, 3] + [0] * 10, atol=1e-9)
                     self.assertEqual((step.notes, rows_of(step)[step.problem.rows["names"][0]][1]), ([], -500))
 
+    def test_a_link_that_touches_has_a_contact_in_its_coordinates(self):
+        for base_mass in (0, 1):
+            self.empty(-9.8)
+            pybullet.createMultiBody(0, pybullet.createCollisionShape(pybullet.GEOM_PLANE))
+            sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
+            tip = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1, collisionFramePosition=[1, 0, 0])
+            body = pybullet.createMultiBody(
+                base_mass, sphere, basePosition=[0, 0, 0.1], linkMasses=[1], linkCollisionShapeIndices=[tip],
+                linkVisualShapeIndices=[-1], linkPositions=[[0, 0, 0]], linkOrientations=[[0, 0, 0, 1]],
+                linkInertialFramePositions=[[1, 0, 0]], linkInertialFrameOrientations=[[0, 0, 0, 1]], linkParentIndices=[0],
+                linkJointTypes=[pybullet.JOINT_REVOLUTE], linkJointAxis=[[0, 1, 0]])
+            pybullet.setJointMotorControl2(body, 0, pybullet.VELOCITY_CONTROL, force=0)
+            for k in (-1, 0):
+                pybullet.changeDynamics(body, k, linearDamping=0, angularDamping=0, jointDamping=0, localInertiaDiagonal=[0.1] * 3,
+                                        lateralFriction=0)
+            step = self.captured()
+            fall, turn = 9.8 / 240, 9.8 / 240 / (1 + 0.1)  # free, the base falls as fast as the link
+            np.testing.assert_allclose(step.problem.v, [turn] if base_mass == 0 else [0, 0, -fall, 0, 0, 0, 0], atol=1e-7)
+            self.assertEqual(step.problem.nc, 1 + base_mass)
+            np.testing.assert_allclose(np.abs(np.array(step.contact_frames)[:, 5]), 1)
+            moves_to(self, step, 0 * step.velocity, 1e-7)
+            np.testing.assert_allclose(step.impulses[:, 0].sum(), (1 + base_mass) * fall, rtol=0.1)  # Bullet's own
+            draws(self, step, lcpbench.pybullet.shapes())
+
     def test_a_contact_has_the_friction_of_its_link(self):
         pybullet.resetSimulation()
         self.two_links(0, pybullet.JOINT_FIXED)
@@ -751,6 +775,99 @@ class Pinocchio(unittest.TestCase):
         step = self.captured(model, [0], [0.7], [0], friction, contact)
         moves_to(self, step, [0], friction_joint0=-0.03)
         np.testing.assert_allclose(lcpbench.solve(step.problem).normal_impulses, [2 * 0.7 - 0.03])
+
+
+@unittest.skipIf(None in (pybullet, drake, package("mujoco")), "PyPI's pybullet, drake and mujoco are not all installed")
+class Linkage(unittest.TestCase):
+    """A planar four-bar linkage at rest under gravity, with its pins A and D at the ground, its bars' inertia, and the
+    velocity of their centres of mass and their spin after a step: as three bodies and four pins, in the three angles of a
+    chain that is closed at D, and in those of two chains that are closed at C."""
+
+    STEP, GRAVITY = 0.005, [0, 0, -9.8]
+    PINS = np.array([[0, 0, 0], [0.3, 0, 0.8], [1.4, 0, 1.0], [1.6, 0, 0.1]])
+    MASSES, SPINS = (1.0, 1.5, 0.8), (0.07, 0.2, 0.05)
+
+    def pinned(self):
+        pybullet.connect(pybullet.DIRECT)
+        self.addCleanup(pybullet.disconnect)
+        pybullet.setGravity(*self.GRAVITY)
+        pybullet.setTimeStep(self.STEP)
+        sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.01)
+        middles = 0.5 * (self.PINS[1:] + self.PINS[:-1])
+        for k, place in enumerate(middles):
+            pybullet.createMultiBody(self.MASSES[k], sphere, basePosition=place)
+            pybullet.changeDynamics(k, -1, linearDamping=0, angularDamping=0, localInertiaDiagonal=[self.SPINS[k]] * 3)
+        for k, (a, b) in enumerate(((0, -1), (0, 1), (1, 2), (2, -1))):
+            ends = [self.PINS[k] - (middles[body] if body >= 0 else 0) for body in (a, b)]
+            pybullet.createConstraint(a, -1, b, -1, pybullet.JOINT_POINT2POINT, [0, 0, 0], *ends)
+        pybullet.stepSimulation()
+        step = lcpbench.pybullet.capture()
+        self.assertEqual((len(rows_of(step)), step.notes), (12, []))
+        np.testing.assert_allclose(step.problem.v, np.tile([*self.STEP * np.array(self.GRAVITY), 0, 0, 0], 3), atol=1e-12)
+        return self.solved(step).reshape(3, 6)
+
+    def chained(self):
+        import lcpbench.mujoco
+        import mujoco
+
+        model = ""
+        for k in (2, 1, 0):
+            place, bar = self.PINS[k] - (self.PINS[k - 1] if k else 0), self.PINS[k + 1] - self.PINS[k]
+            text = lambda vector: " ".join(map(repr, map(float, vector)))
+            model = f'''<body name="bar{k}" pos="{text(place)}"><joint type="hinge" axis="0 1 0"/><inertial pos="{text(bar / 2)}"
+                mass="{self.MASSES[k]}" diaginertia="{text([self.SPINS[k]] * 3)}"/>{model}
+                {f'<site name="end" pos="{text(bar)}"/>' if k == 2 else ""}</body>'''
+        model = mujoco.MjModel.from_xml_string(f'''<mujoco><option timestep="{self.STEP}" gravity="{text(self.GRAVITY)}"/>
+            <worldbody><site name="ground" pos="{text(self.PINS[3])}"/>{model}</worldbody>
+            <equality><connect site1="end" site2="ground"/></equality></mujoco>''')
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        velocity, found = self.solved(lcpbench.mujoco.capture(model, data)), []
+        for k in range(3):
+            J = np.zeros((2, 3, model.nv))
+            mujoco.mj_jacBodyCom(model, data, *J, model.body(f"bar{k}").id)
+            found.append((J @ velocity).ravel())
+        return np.array(found)
+
+    def two_chains(self):
+        builder = drake.DiagramBuilder()
+        plant, _ = drake.AddMultibodyPlantSceneGraph(builder, self.STEP)
+        plant.SetUseSampledOutputPorts(False)
+        plant.mutable_gravity_field().set_gravity_vector(self.GRAVITY)
+        plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kSap)
+        bars, roots = [], [0, 1, 3]  # the pins that they hang from
+        for k, root in enumerate(roots):
+            middle = 0.5 * (self.PINS[k] + self.PINS[k + 1]) - self.PINS[root]
+            spin = drake.RotationalInertia(*[self.SPINS[k]] * 3)
+            bars.append(plant.AddRigidBody(f"bar{k}", drake.SpatialInertia.MakeFromCentralInertia(self.MASSES[k], middle, spin)))
+            parent, place = (bars[0].body_frame(), self.PINS[1]) if k == 1 else (plant.world_frame(), self.PINS[root])
+            frame = plant.AddFrame(drake.FixedOffsetFrame(f"pin{k}", parent, drake.RigidTransform(place)))
+            plant.AddJoint(drake.RevoluteJoint(f"hinge{k}", frame, bars[k].body_frame(), [0, 1, 0]))
+        plant.AddBallConstraint(bars[1], self.PINS[2] - self.PINS[1], bars[2], self.PINS[2] - self.PINS[3])
+        plant.Finalize()
+        diagram = builder.Build()
+        root = diagram.CreateDefaultContext()
+        context = plant.GetMyMutableContextFromRoot(root)
+        plant.SetVelocities(context, self.solved(lcpbench.drake.capture(plant, context)))
+        found = []
+        for k, bar in enumerate(bars):
+            middle = 0.5 * (self.PINS[k] + self.PINS[k + 1]) - self.PINS[roots[k]]
+            velocity = bar.EvalSpatialVelocityInWorld(context).Shift(middle)
+            found.append([*velocity.translational(), *velocity.rotational()])
+        return np.array(found)
+
+    def solved(self, step):
+        answer = lcpbench.solve(step.problem, "auto")
+        self.assertEqual(answer.verdict, "solved")
+        if step.velocity is not None:
+            np.testing.assert_allclose(answer.velocity, step.velocity, atol=1e-3)  # softer in the engines
+        return answer.velocity
+
+    def test_engines_and_coordinates_agree(self):
+        pinned, chained, two_chains = self.pinned(), self.chained(), self.two_chains()
+        self.assertGreater(np.abs(chained).max(), 5e-3)
+        np.testing.assert_allclose(pinned, chained, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(two_chains, chained, rtol=0, atol=1e-9)
 
 
 if __name__ == "__main__":
