@@ -315,13 +315,13 @@ def capture(client: Any = None, *, motors: Mapping[tuple[int, int], Mapping[str,
     velocity and angular velocity of its base, if that moves, and the velocities of its joints.
 
     Bounded rows of that are limits of joints, point, fixed, prismatic and gear constraints with their greatest impulse, and
-    the motors that `motors` tells. With `numSubSteps` the step is the last substep. Restitution and the friction of spinning
-    and rolling are left out; penetrations and errors of constraints are not pushed out, and an open limit may close within
-    the step. Torques that were set and damping of joints act as forces at the old state.
+    the motors that `motors` tells. With `numSubSteps` the step is the last substep. Penetrations and errors of constraints
+    are not pushed out, and an open limit may close within the step. Torques that were set and damping of joints act as
+    forces at the old state.
 
     PyBullet has no words for targets, gains and forces of motors, nor for the impulses of limits and of constraints between
-    bodies with useMaximalCoordinates: what acts as Bullet found it is a line of the step's `notes`, with how many there
-    are. Of a body with links that was made with useMaximalCoordinates PyBullet shows its base alone.
+    bodies with useMaximalCoordinates. What acts as Bullet found it, or is left out, is a line of the step's `notes`, with how
+    many there are: these, restitution, friction of rolling and spinning, and contacts' own stiffness. Of a body with links that was made with useMaximalCoordinates PyBullet shows its base alone.
 
     Args:
         client: the module `pybullet`, or a BulletClient. None: the module.
@@ -357,8 +357,12 @@ def capture(client: Any = None, *, motors: Mapping[tuple[int, int], Mapping[str,
         _, a, b, link_a, link_b, on_a, on_b, n, distance, force, force_1, tangent_1, force_2, tangent_2, *_ = point
         if a not in index and b not in index:
             continue
-        mu_a, mu_b = (client.getDynamicsInfo(*each, **more)[1] for each in ((a, link_a), (b, link_b)))
-        mu = min(mu_a * mu_b, 10.0)
+        dynamics = [client.getDynamicsInfo(*each, **more) for each in ((a, link_a), (b, link_b))]
+        mu = min(dynamics[0][1] * dynamics[1][1], 10.0)
+        notes["contacts with rolling or spinning friction, as the torques that Bullet found"] += any(
+            each[6] or each[7] for each in dynamics)
+        notes["contacts with restitution, left out"] += all(each[5] for each in dynamics)
+        notes["contacts with a stiffness and damping of their own, which are hard"] += any(each[9] > 0 for each in dynamics)
         ends = [at for body, at in ((a, on_a), (b, on_b)) if body in index]  # Bullet pushes each body at its own end
         n, sign = np.array(n), 1.0
         J = world.jacobian(a, link_a, np.array(on_a))[3:] - world.jacobian(b, link_b, np.array(on_b))[3:]

@@ -365,6 +365,22 @@ class PyBullet(unittest.TestCase):
             np.testing.assert_allclose(step.impulses[:, 0].sum(), (1 + base_mass) * fall, rtol=0.1)  # Bullet's own
             draws(self, step, lcpbench.pybullet.shapes())
 
+    def test_what_contacts_have_beside_friction_is_noted(self):
+        for body in (0, 1):
+            pybullet.changeDynamics(body, -1, restitution=0.5, contactStiffness=1e4, contactDamping=1e2)
+        pybullet.changeDynamics(1, -1, spinningFriction=0.1)
+        for _ in range(30):
+            pybullet.stepSimulation()
+        step = lcpbench.pybullet.capture()
+        pairs = [each.split(" #")[0].split(" on ") for each in step.contact_ids]
+        on_floor, of_first = sum("0" in pair for pair in pairs), sum("1" in pair for pair in pairs)
+        self.assertGreater(of_first, on_floor)
+        self.assertGreater(on_floor, 2)
+        self.assertEqual(step.notes, [
+            f"contacts with rolling or spinning friction, as the torques that Bullet found: {of_first}",
+            f"contacts with restitution, left out: {on_floor}",
+            f"contacts with a stiffness and damping of their own, which are hard: {of_first}"])
+
     def test_a_contact_has_the_friction_of_its_link(self):
         pybullet.resetSimulation()
         self.two_links(0, pybullet.JOINT_FIXED)
