@@ -82,8 +82,12 @@ def _add_rows(pin: Any, model: Any, data: Any, geometry: Any, each: Any, h: floa
     its_data = each.createData()
     each.calc(model, data, its_data)
 
-    def jacobian() -> np.ndarray:  # eigenpy makes a vector of a matrix with one row or column
-        return np.reshape(each.jacobian(model, data, its_data), (each.residualSize(), model.nv))
+    def jacobian() -> np.ndarray:
+        if isinstance(each, pin.RigidConstraintModel):  # whose own function leaves zeros unwritten
+            J = pin.getConstraintJacobian(model, data, each, its_data)
+        else:
+            J = each.jacobian(model, data, its_data)
+        return np.reshape(J, (each.residualSize(), model.nv))  # eigenpy makes a vector of one row or column
 
     kinds = tuple(getattr(pin, f"{kind}ConstraintModel") for kind in ("PointAnchor", "FrameAnchor", "Rigid"))
     if isinstance(each, kinds):

@@ -3,6 +3,7 @@ import importlib
 import json
 import os
 import subprocess
+import sys
 import tempfile
 import unittest
 import unittest.mock
@@ -780,6 +781,21 @@ class Pinocchio(unittest.TestCase):
             step = self.captured(model, [0, 0, 0], [3, 1, 0], [0, 0, 5], anchor)
             moves_to(self, step, [0, 0, 0])
             self.assertEqual(step.problem.rows["unit"], ["m", "m", "rad"])
+
+    def test_a_joint_that_a_constraint_does_not_move_has_zeros(self):
+        script = """if True:
+            import numpy as np, pinocchio, lcpbench.pinocchio
+            model = pinocchio.buildSampleModelHumanoid()
+            place = pinocchio.SE3.Identity()
+            data, q = model.createData(), pinocchio.neutral(model)
+            for kind in ("CONTACT_3D", "CONTACT_6D"):
+                tie = pinocchio.RigidConstraintModel(getattr(pinocchio.ContactType, kind), model, 2, place, 4, place)
+                step = lcpbench.pinocchio.capture(model, data, q, np.zeros(model.nv), np.zeros(model.nv), [tie],
+                                                  [tie.createData()], 0.01)
+                print(np.count_nonzero(step.problem.rows["R"].any(axis=1)))"""
+        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True,
+                              env={**os.environ, "MALLOC_PERTURB_": "85"})  # memory is not zero before it is written
+        self.assertLess(max(map(int, done.stdout.split())), 4)
 
     def test_a_planar_loop_beside_a_contact(self):
         # A door of 2 kg m^2 with friction in its hinge turns against a stop at 1 m: the contact takes what friction leaves.
