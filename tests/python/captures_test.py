@@ -786,7 +786,7 @@ class Pinocchio(unittest.TestCase):
         script = """if True:
             import numpy as np, pinocchio, lcpbench.pinocchio
             model = pinocchio.buildSampleModelHumanoid()
-            place = pinocchio.SE3.Identity()
+            place = pinocchio.SE3(np.eye(3), np.array([0.1, 0.2, 0.3]))
             data, q = model.createData(), pinocchio.neutral(model)
             for kind in ("CONTACT_3D", "CONTACT_6D"):
                 tie = pinocchio.RigidConstraintModel(getattr(pinocchio.ContactType, kind), model, 2, place, 4, place)
