@@ -601,6 +601,28 @@ class Drake(unittest.TestCase):
         moves_to(self, step, [0, 0, -1, 0.5, 0.5, 0, 0, 0, -1, 0.5, 2.5 - 3, 0][:3] + [0.5, 2.5, 0, 0, 0, -1, 0.5, 0.5, 0])
         np.testing.assert_allclose(step.velocity, lcpbench.solve(step.problem).velocity, atol=2e-3)
 
+    def test_a_weld_that_has_come_apart_holds_in_its_middle(self):
+        def add(plant):
+            inertia = drake.SpatialInertia(2.0, np.zeros(3), drake.UnitInertia(0.5, 0.5, 0.5))
+            a, b = (plant.AddRigidBody(name, inertia) for name in "ab")
+            plant.AddWeldConstraint(a, drake.RigidTransform([2.0, 0, 0]), b, drake.RigidTransform())
+        plant, context, kept = self.mechanism(add)
+        plant.SetFreeBodyPose(context, plant.GetBodyByName("b"), drake.RigidTransform([2.2, 0, 0]))
+        direction = rows_of(lcpbench.drake.capture(plant, context))["weld a and b y"][0]  # of turns, then velocities
+        np.testing.assert_allclose(direction, [0, 0, -2.1, 0, -1, 0, 0, 0, -0.1, 0, 1, 0], atol=1e-12)
+
+    def test_an_actuator_without_a_controller_is_a_force(self):
+        def add(plant):
+            self.arms(1)(plant)
+            motor = plant.AddJointActuator("motor", plant.GetJointByName("hinge0"), 50.0)
+            motor.set_default_rotor_inertia(0.01)
+            motor.set_default_gear_ratio(10.0)
+        plant, context, kept = self.mechanism(add)
+        plant.get_actuation_input_port(plant.GetBodyByName("arm0").model_instance()).FixValue(context, [7])
+        step = lcpbench.drake.capture(plant, context)
+        self.assertEqual((step.problem.rows, step.notes), (None, []))
+        moves_to(self, step, [0.01 * 7 / (2 + 0.01 * 10**2)], 1e-12)
+
     def test_a_locked_joint_does_not_move(self):
         plant, context, kept = self.mechanism(self.arms(2))
         plant.GetJointByName("hinge1").Lock(context)
