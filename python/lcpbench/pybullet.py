@@ -348,8 +348,9 @@ def capture(client: Any = None, *, motors: Mapping[tuple[int, int], Mapping[str,
     gains = _add_joints(client, more, world, dict(motors or {}), h, of_forces, rows, row_impulses, notes)
     is_scene = client.getNumConstraints(**more) == 0 and not any(of.joints or not of.floats for of in world.bodies.values())
 
-    def named(body: int) -> str:
-        return f"{client.getBodyInfo(body, **more)[1].decode()} {body}".lstrip()
+    def named(body: int, link: int) -> str:
+        of = f"{client.getBodyInfo(body, **more)[1].decode()} {body}".lstrip()
+        return of if link < 0 else f"{of} {client.getJointInfo(body, link, **more)[12].decode()}"
 
     index = {body: i for i, body in enumerate(world.bodies)}
     contacts, gap, ids, normal, along, jacobians, frames = [], [], [], [], [], [], []
@@ -367,7 +368,7 @@ def capture(client: Any = None, *, motors: Mapping[tuple[int, int], Mapping[str,
         n, sign = np.array(n), 1.0
         J = world.jacobian(a, link_a, np.array(on_a))[3:] - world.jacobian(b, link_b, np.array(on_b))[3:]
         if a not in index:  # the immovable world has to be body_b
-            a, b, n, sign, J = b, a, -n, -1.0, -J
+            a, b, link_a, link_b, n, sign, J = b, a, link_b, link_a, -n, -1.0, -J
         n /= np.linalg.norm(n)
         t1, t2 = sign * np.array(tangent_1), sign * np.array(tangent_2)
         tangent = t1 - n * (n @ t1)
@@ -380,7 +381,7 @@ def capture(client: Any = None, *, motors: Mapping[tuple[int, int], Mapping[str,
         jacobians.append(np.array([n, tangent, second]) @ J)
         frames.append([*contacts[-1]["point"], *n, *tangent])
         gap.append(distance)
-        ids.append(f"{named(a)} on {named(b)}")
+        ids.append(f"{named(a, link_a)} on {named(b, link_b)}")
         normal.append(of_forces * force)
         along.append([pushed @ tangent, pushed @ second] if mu > 0 else [0.0, 0.0])
     impulses = np.column_stack([normal, np.reshape(along, (-1, 2))])
