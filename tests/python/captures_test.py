@@ -184,8 +184,8 @@ class PyBullet(unittest.TestCase):
         pybullet.setCollisionFilterGroupMask(body, -1, 0, 0)
         return body
 
-    def arms(self, count):
-        """One body: arms of 2 kg m^2 on hinges about z of an immovable base, with motors that are off."""
+    def arms(self, count, motors_off=True):
+        """One body: arms of 2 kg m^2 on hinges about z of an immovable base."""
         sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
         body = pybullet.createMultiBody(
             0, -1, linkMasses=[1] * count, linkCollisionShapeIndices=[sphere] * count, linkVisualShapeIndices=[-1] * count,
@@ -196,7 +196,8 @@ class PyBullet(unittest.TestCase):
             pybullet.changeDynamics(body, k, linearDamping=0, angularDamping=0, jointDamping=0)
         for k in range(count):
             pybullet.changeDynamics(body, k, localInertiaDiagonal=[2, 2, 2])
-            pybullet.setJointMotorControl2(body, k, pybullet.VELOCITY_CONTROL, force=0)
+            if motors_off:
+                pybullet.setJointMotorControl2(body, k, pybullet.VELOCITY_CONTROL, force=0)
         return body
 
     def captured(self, **more):
@@ -243,22 +244,19 @@ class PyBullet(unittest.TestCase):
                 self.assertEqual(lcpbench.pybullet.capture().problem.kind, "contact")
 
     def test_motors_are_rows(self):
-        h, h2 = 1 / 240, pybullet.VELOCITY_CONTROL
-        told = ((dict(controlMode=h2, targetVelocity=0.6, force=100), 0.6), (dict(controlMode=h2, targetVelocity=0.6, force=2), 0.5 + h),
-                (dict(controlMode=h2, targetVelocity=0.6, velocityGain=0.5, force=100), 0.55),
+        h, speed = 1 / 240, dict(controlMode=pybullet.VELOCITY_CONTROL, targetVelocity=0.6)
+        told = ((dict(speed, force=100), 0.6), (dict(speed, force=2), 0.5 + h), (dict(speed, velocityGain=0.5, force=100), 0.55),
                 (dict(controlMode=pybullet.POSITION_CONTROL, targetPosition=0.02, positionGain=0.25, force=500), 0.25 * 0.02 / h),
                 (dict(controlMode=pybullet.POSITION_CONTROL, targetPosition=0.02, maxVelocity=0.3, force=500), 0.3))
         for motor, moves in told:
-            for substeps in (1, 2):
+            for is_told in (True, False):
                 self.empty()
-                pybullet.setPhysicsEngineParameter(fixedTimeStep=h, numSubSteps=0)
                 body = self.arms(1)
                 pybullet.resetJointState(body, 0, 0.0, 0.5)
                 pybullet.setJointMotorControl2(body, 0, **motor)
-                untold = None if substeps == 1 else {}
-                step = self.captured(motors={(body, 0): motor} if untold is None else untold)
+                step = self.captured(motors={(body, 0): motor} if is_told else None)
                 np.testing.assert_allclose(step.velocity, [moves], atol=1e-9)
-                if untold is None:
+                if is_told:
                     moves_to(self, step, [moves], motor_joint1=2 * (moves - 0.5))
                     np.testing.assert_allclose(step.row_impulses, [2 * (moves - 0.5)], atol=1e-9)  # Bullet's own
                     np.testing.assert_allclose(step.problem.v, [0.5], atol=1e-9)
@@ -268,6 +266,12 @@ class PyBullet(unittest.TestCase):
                 else:
                     self.assertEqual(step.notes, ["motors that were not told, as the forces that Bullet found: 1"])
                     np.testing.assert_allclose(step.problem.v, [moves], atol=1e-9)
+        self.empty()
+        body = self.arms(1, motors_off=False)  # as PyBullet makes it: a motor that brakes with 1 N m s in a step
+        pybullet.resetJointState(body, 0, 0.0, 1.0)
+        step = self.captured(motors={(body, 0): dict(controlMode=pybullet.VELOCITY_CONTROL, force=1 / h)})
+        np.testing.assert_allclose(step.velocity, [0.5], atol=1e-9)
+        moves_to(self, step, [0.5], motor_joint1=-1)
         for motors, said in (({(body, 3): motor}, "is no joint that moves"), ({(body, 0): {}}, "controlMode is None")):
             with self.assertRaisesRegex(lcpbench.InputError, f"^motors: .*{said}"):
                 lcpbench.pybullet.capture(motors=motors)
@@ -583,7 +587,8 @@ class Drake(unittest.TestCase):
         here, there = np.zeros(3), np.array([2.0, 0, 0])
         step, kept = tied(lambda plant, a, b: plant.AddDistanceConstraint(a, here, b, here, 2.0))
         moves_to(self, step, [0, 0, 0, 0.5, 3, 0, 0, 0, 0, 0.5, 0, 0], distance_a_and_b=1.0)
-        # A spring of 200 N/m and 5 N s/m, 0.5 m too long: (w + 200 h w + 5 w) h = 2 ... of the approach w = 2 f / 2 - 1.
+        # A spring of 200 N/m and 5 N s/m, 0.5 m too long. It pulls with f = h (200 (0.5 + h w) + 5 w), and both balls then
+        # part with w = -1 - f.
         step, kept = tied(lambda plant, a, b: plant.AddDistanceConstraint(a, here, b, here, 1.5, 200.0, 5.0))
         f = (200 * (0.5 - 0.01) - 5) * 0.01 / (1 + 0.01 * (200 * 0.01 + 5))
         moves_to(self, step, [0, 0, 0, 1 + f / 2, 3, 0, 0, 0, 0, -f / 2, 0, 0], distance_a_and_b=-f)
