@@ -1,4 +1,4 @@
-"""Contacts of a robot in Pinocchio 4 (PyPI's `pin`).
+"""Contacts and joints of a robot in Pinocchio 4 (PyPI's `pin`).
 
     step = lcpbench.pinocchio.capture(model, data, q, v, tau, constraint_models, constraint_datas, h)
     answer = lcpbench.solve(step.problem)
@@ -13,6 +13,7 @@ import numpy as np
 from ._files import Step, numbered
 from ._native import InputError
 from ._problem import Problem, _number
+from ._rows import Rows
 
 __all__ = ["capture", "shapes"]
 
@@ -61,11 +62,11 @@ def _poses(pin: Any, model: Any, data: Any, geometry: Any) -> np.ndarray:
     return np.reshape(poses, (-1, 12))
 
 
-def _named(model: Any, geometry: Any, contacts: list[Any]) -> list[str]:
-    """Each contact's own name, or what touches: geometries, else frames, else joints."""
+def _named(model: Any, geometry: Any, constraint: Any) -> str:
+    """A constraint's own name, or what it holds together: geometries, else frames, else joints."""
 
     def end(contact: Any, k: int) -> str:
-        if geometry is not None and contact.geom1_id != contact.geom2_id:  # equal: they were not set
+        if geometry is not None and hasattr(contact, "geom1_id") and contact.geom1_id != contact.geom2_id:  # equal: not set
             return str(geometry.geometryObjects[getattr(contact, f"geom{k}_id")].name)
         joint, placement = getattr(contact, f"joint{k}_id"), getattr(contact, f"joint{k}_placement")
         for frame in model.frames if joint > 0 else ():
@@ -73,21 +74,64 @@ def _named(model: Any, geometry: Any, contacts: list[Any]) -> list[str]:
                 return str(frame.name)
         return str(model.names[joint])
 
-    return numbered(each.name or f"{end(each, 2)} on {end(each, 1)}" for each in contacts)
+    return str(constraint.name) or f"{end(constraint, 2)} on {end(constraint, 1)}"
+
+
+def _add_rows(pin: Any, model: Any, data: Any, geometry: Any, each: Any, h: float, rows: Rows) -> bool:
+    """Bounded rows of a constraint. Returns whether it is of a kind that has some."""
+    its_data = each.createData()
+    each.calc(model, data, its_data)
+
+    def jacobian() -> np.ndarray:
+        if isinstance(each, pin.RigidConstraintModel):  # whose own function leaves zeros unwritten
+            J = pin.getConstraintJacobian(model, data, each, its_data)
+        else:
+            J = each.jacobian(model, data, its_data)
+        return np.reshape(J, (each.residualSize(), model.nv))  # eigenpy makes a vector of one row or column
+
+    kinds = tuple(getattr(pin, f"{kind}ConstraintModel") for kind in ("PointAnchor", "FrameAnchor", "Rigid"))
+    if isinstance(each, kinds):
+        for k, direction in enumerate(jacobian()):
+            name = f"anchor {_named(model, geometry, each)} {'about ' if k > 2 else ''}{'xyz'[k % 3]}"
+            rows.add(name, direction, k > 2)
+        return True
+    is_limit = isinstance(each, pin.JointLimitConstraintModel)
+    if not is_limit and not isinstance(each, pin.JointFrictionConstraintModel):
+        return False
+    if not each.residualSize():
+        return True
+    bounds = np.zeros((2, each.residualSize())) if is_limit else (each.getFrictionLowerLimit(), each.getFrictionUpperLimit())
+    for k, direction in enumerate(jacobian()):
+        dof = int(np.argmax(np.abs(direction)))
+        joint = next(i for i in range(1, model.njoints) if model.idx_vs[i] <= dof < model.idx_vs[i] + model.nvs[i])
+        is_angle = bool(np.any(np.reshape(data.J, (6, -1))[3:, dof]))  # whose motion turns
+        name = f"{'limit' if is_limit else 'friction'} {model.names[joint]}"
+        if is_limit:
+            gap, side = float(its_data.constraint_residual[k]), "lower" if direction[dof] > 0 else "upper"
+            rows.add(f"{name} {side}", direction, is_angle, lower=0.0, b=max(gap, 0.0) / h)
+        else:
+            rows.add(name, direction, is_angle, lower=h * float(bounds[0][k]), upper=h * float(bounds[1][k]))
+    return True
 
 
 def capture(model: Any, data: Any, q: Any, v: Any, tau: Any, constraint_models: Any, constraint_datas: Any, h: float, *,
             gap: Any = None, mu: Any = None, geometry: Any = None, name: str = "pinocchio") -> Step:
-    """The contacts of the next step of length h: v + h aba(q, v, tau) is the velocity without them.
+    """The constraints of the next step of length h: v + h aba(q, v, tau) is the velocity without them.
+
+    Point contacts are contacts; anchors of points and frames, rigid constraints (3D, 6D), limits of joints and friction of
+    joints are bounded rows. All are hard: an open limit may close within the step, anchors hold exactly in the velocity,
+    and what is pushed out is left out. Limits that a JointLimitConstraintModel has not selected are no rows. The bounds of
+    friction are its force limits times h. Compliances and desired velocities of constraints are left out, which is a line of
+    the step's `notes`. Pinocchio's own limits and friction of a model are not in aba: they act where a constraint has them.
 
     Args:
         model, data: of Pinocchio.
         q, v, tau: configuration, velocity and joint torques.
-        constraint_models, constraint_datas: point contacts, whose third axis is the normal and whose first two are the
+        constraint_models, constraint_datas: of a point contact the third axis is the normal, and the first two are the
             tangents. Pinocchio measures joint 2 against joint 1, so that the normal has to point into joint 2's body.
         h: length of the step [s].
-        gap: (nc,) [m], or None: all touch.
-        mu: (nc,), or None: each constraint's own.
+        gap: (nc,) [m] of the point contacts, or None: all touch.
+        mu: (nc,) of the point contacts, or None: each one's own.
         geometry: the GeometryModel of collisions, for names and pictures, or None.
         name: of the problem.
 
@@ -96,42 +140,50 @@ def capture(model: Any, data: Any, q: Any, v: Any, tau: Any, constraint_models: 
         geometries, frames at the place of the contact, or joints. Poses are those of `shapes(geometry)`.
 
     Raises:
-        InputError: a constraint is no point contact (joints' limits, anchors), which is outside.
+        InputError: a constraint is of another kind.
     """
     import pinocchio as pin
 
     if not _number(h, "h") > 0:
         raise InputError(f"h is {h!r}, expected seconds > 0")
     q, v, tau = _vector(q, "q", model.nq), _vector(v, "v", model.nv), _vector(tau, "tau", model.nv)
-    nc = len(constraint_models)
-    if len(constraint_datas) != nc:
-        raise InputError(f"constraint_datas has {len(constraint_datas)} entries, expected {nc}: one for each model")
-    gaps = np.zeros(nc) if gap is None else _vector(gap, "gap", nc)
-    models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-    contacts, frictions = [], []
-    for i, (each, its_data) in enumerate(zip(constraint_models, constraint_datas)):
-        inner = each.extract() if hasattr(each, "extract") else each
-        if not isinstance(inner, pin.PointContactConstraintModel):
-            raise InputError(f"constraint_models[{i}]: {type(inner).__name__} is outside: point contacts only")
-        contacts.append(inner)
-        frictions.append(float(np.ravel(inner.getFriction())[0]))
-        models.append(pin.ConstraintModel(inner))
-        datas.append(its_data if isinstance(its_data, pin.ConstraintData) else pin.ConstraintData(its_data))
+    if len(constraint_datas) != len(constraint_models):
+        raise InputError(f"constraint_datas has {len(constraint_datas)} entries, expected {len(constraint_models)}: one for "
+                         "each model")
     free = v + h * pin.aba(model, data, q, v, tau)
     M = np.array(pin.crba(model, data, q))
     M = np.triu(M) + np.triu(M, 1).T
     pin.forwardKinematics(model, data, q)
     pin.computeJointJacobians(model, data, q)
-    for each, its_data in zip(models, datas):
-        each.calc(model, data, its_data)
-    J = np.array(pin.getConstraintsJacobian(model, data, models, datas)).reshape(3 * nc, model.nv)
+    data.q_in = q  # which limits look at
+    contacts, jacobians, rows, left_out = [], [], Rows(model.nv), [0, 0]
+    for i, each in enumerate(constraint_models):
+        inner = each.extract() if hasattr(each, "extract") else each
+        if isinstance(inner, pin.PointContactConstraintModel):
+            its_data = inner.createData()
+            inner.calc(model, data, its_data)
+            contacts.append(inner)
+            jacobians.append(np.array(inner.jacobian(model, data, its_data)))
+        elif not hasattr(inner, "createData") or not _add_rows(pin, model, data, geometry, inner, h, rows):
+            raise InputError(f"constraint_models[{i}]: {type(inner).__name__} is outside: point contacts, anchors, rigid "
+                             "constraints, limits and friction of joints only")
+        left_out[0] += bool(np.any(inner.retrieveCompliance()))
+        left_out[1] += any(np.any(np.asarray(getattr(inner, name, 0.0))) for name in (
+            "desired_constraint_velocity", "desired_constraint_offset"))
+    notes = [f"constraints with {what}, left out: {count}" for what, count in zip(
+        ("a compliance", "a desired velocity or offset"), left_out) if count]
+    nc = len(contacts)
+    gaps = np.zeros(nc) if gap is None else _vector(gap, "gap", nc)
+    if mu is None:
+        mu = np.array([float(np.ravel(each.getFriction())[0]) for each in contacts])
+    J = np.reshape(jacobians, (3 * nc, model.nv))
     tangents = J.reshape(-1, 3, model.nv)[:, :2].reshape(-1, model.nv)
-    problem = Problem(G=M, N=J[2::3].T, tangents=tangents.T, mu=np.array(frictions) if mu is None else mu, v=free,
-                      b=np.maximum(gaps, 0) / h, name=name)
+    problem = Problem(G=M, N=J[2::3].T, tangents=tangents.T, mu=mu, v=free, b=np.maximum(gaps, 0) / h, rows=rows.fields(),
+                      name=name)
     frames = []
     for each in contacts:
         axes = (data.oMi[each.joint1_id] * each.joint1_placement).rotation
         point = (data.oMi[each.joint2_id] * each.joint2_placement).translation
         frames.append([*point, *axes[:, 2], *axes[:, 0]])
-    return Step(problem, gap=gaps, contact_ids=_named(model, geometry, contacts), contact_frames=frames,
-                poses=None if geometry is None else _poses(pin, model, data, geometry))
+    return Step(problem, gap=gaps, contact_ids=numbered(_named(model, geometry, each) for each in contacts),
+                contact_frames=frames, poses=None if geometry is None else _poses(pin, model, data, geometry), notes=notes)
