@@ -46,7 +46,7 @@ struct ReplayArguments {
 /// The one that was asked for, or the first that has what the scene needs.
 std::string engine_for(const ReplayArguments& arguments, const capture::Scene& scene) {
   if (!arguments.engine.empty()) return arguments.engine;
-  return scene.articulated() || !arguments.model.empty() ? "mujoco" : "ode";
+  return arguments.model.empty() ? scene.engine() : "mujoco";
 }
 
 /// @throws InputError for a stepper with a solver that cannot step a scene on
