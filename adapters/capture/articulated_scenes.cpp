@@ -162,8 +162,8 @@ Scene door() {
   return result;
 }
 
-/// A frame, a crank with dry friction, a coupler and a rocker, whose lower end `loops` joins to the frame. A ball drops
-/// on the coupler, and the crank falls to its limit.
+/// A frame, a crank with dry friction, a coupler and a rocker, whose lower end `loops` joins to the frame. A push
+/// starts it, a ball drops on the coupler, and the crank falls to its limit.
 Scene four_bar() {
   Scene result = scene("four-bar", "a four-bar linkage with dry friction falls to a limit, and a ball on it", 0.5);
   const Vector3d crank_base(0, 0, 0.5), crank_end(0, 0, 0.8), rocker_end(0.6, 0, 1), rocker_base(0.6, 0, 0.5);
@@ -173,6 +173,7 @@ Scene four_bar() {
   const Vector3d along = (rocker_end - crank_end).normalized();
   Body link = solid({box(0.28, 0.02, 0.02)}, 1, (crank_end + rocker_end) / 2);
   link.orientation = turned_about_y(along.x(), -along.z());
+  link.push = {{4, 0, 0}, 0, 19};
   const int coupler = add(result, std::move(link), hinge(crank, crank_end, Vector3d::UnitY(), -2.5, 2.5));
   const int rocker = add(result, solid({box(0.02, 0.02, 0.23)}, 1, (rocker_base + rocker_end) / 2),
                          hinge(coupler, rocker_end, Vector3d::UnitY(), -2.5, 2.5));
