@@ -206,8 +206,7 @@ Action add_capture_command(CLI::App& command) {
   command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
   command.footer(
       "Scenes of free bodies run in ode (the default), bullet, mujoco, dart and external engines; scenes with joints "
-      "in "
-      "mujoco (the default) and dart. See docs/howto/capture-a-scene.md." +
+      "in mujoco (the default), ode, bullet and dart; a motor not in mujoco. See docs/howto/capture-a-scene.md." +
       list_of_scenes());
   return [arguments] { return run_capture(*arguments); };
 }

@@ -395,7 +395,7 @@ Action add_replay_command(CLI::App& command) {
   command
       .add_option("--engine", arguments->engine,
                   "whose collision detection and integrator: ode, bullet, mujoco, dart or external{command=...} "
-                  "(default: ode; mujoco for scenes with joints, which mujoco and dart step)");
+                  "(default: ode; mujoco for scenes with joints)");
   command.add_option("--steps", arguments->steps, "steps of each replay (default: the scene's own)")
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)));
   CLI::Option* plan = command.add_option("--plan", arguments->plan,
