@@ -1,13 +1,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <btBulletDynamicsCommon.h>
+#include <fmt/format.h>
 
 #include "adapters/capture/engine.h"
 #include "core/timed_solve.h"
@@ -68,8 +72,18 @@ class BulletEngine final : public Engine {
       return static_cast<bool>(*loop_);
     };
     for (const Body& body : scene_.bodies) add(body);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (scene_.bodies[i].hinge) add_hinge(i);
+      for (std::size_t k = 0; k < i; ++k) {
+        if (scene_.root(i) != scene_.root(k)) continue;
+        bodies_[i]->setIgnoreCollisionCheck(bodies_[k].get(), true);
+        bodies_[k]->setIgnoreCollisionCheck(bodies_[i].get(), true);
+      }
+    }
+    for (const Loop& loop : scene_.loops) add_loop(loop);
   }
   ~BulletEngine() override {
+    for (const Held& each : held_) world_.removeConstraint(each.joint.get());
     for (const std::unique_ptr<btRigidBody>& body : bodies_) world_.removeRigidBody(body.get());
   }
 
@@ -129,12 +143,148 @@ class BulletEngine final : public Engine {
     bodies_.push_back(std::move(rigid));
   }
 
+  /// A joint of Bullet's between bodies of the scene, of which the first moves.
+  struct Held {
+    std::unique_ptr<btTypedConstraint> joint;
+    const Hinge* hinge;  ///< none: a loop
+    std::string name;    ///< of its body or loop
+    std::unique_ptr<btJointFeedback> feedback = std::make_unique<btJointFeedback>();
+    std::size_t first = 0, count = 0;  ///< the rows in the snapshot that Bullet solves
+  };
+
+  void hold(std::unique_ptr<btTypedConstraint> joint, const Hinge* hinge, std::string name) {
+    Held& held = held_.emplace_back(Held{std::move(joint), hinge, std::move(name)});
+    held.joint->setJointFeedback(held.feedback.get());
+    world_.addConstraint(held.joint.get(), true);
+  }
+
+  /// With the rows of a hinge: those by offsets of its frames, Bullet's default, leave the turning of a body out at a
+  /// limit. Without the bounce that Bullet's limits have by default.
+  void add_hinge(std::size_t index) {
+    const Hinge& hinge = *scene_.bodies[index].hinge;
+    btRigidBody& child = *bodies_[index];
+    btRigidBody& parent = *bodies_[static_cast<std::size_t>(hinge.parent)];
+    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), hinge.axis);
+    const btTransform at(btQuaternion(q.x(), q.y(), q.z(), q.w()), vector(hinge.anchor));
+    auto joint = std::make_unique<btHingeConstraint>(child, parent, child.getWorldTransform().inverse() * at,
+                                                     parent.getWorldTransform().inverse() * at);
+    joint->setUseFrameOffset(false);
+    constexpr double kSoftness = 0.9, kBias = 0.3, kBounce = 0;  // the first two are Bullet's defaults
+    joint->setLimit(hinge.lower, hinge.upper, kSoftness, kBias, kBounce);
+    if (hinge.effort > 0) joint->enableAngularMotor(true, hinge.speed, scene_.step * hinge.effort);
+    hold(std::move(joint), &hinge, fmt::format("j{}", index));
+  }
+
+  void add_loop(const Loop& loop) {
+    btRigidBody& first = *bodies_[static_cast<std::size_t>(loop.first)];
+    btRigidBody& second = *bodies_[static_cast<std::size_t>(loop.second)];
+    const btVector3 anchor = vector(loop.anchor);
+    hold(std::make_unique<btPoint2PointConstraint>(first, second, first.getWorldTransform().inverse() * anchor,
+                                                   second.getWorldTransform().inverse() * anchor),
+         nullptr, std::to_string(&loop - scene_.loops.data()));
+  }
+
+  /// Bullet's rows of its joints, with f the impulse: J v+ + cfm M_ii f = rhs. Hard equality constraints keep the error
+  /// of positions that they have, as contacts keep their penetration. In Bullet a hinge at a limit has no motor and no
+  /// dry friction, and its motor is slow before a limit: hard problems have them as they are.
+  /// [btSequentialImpulseConstraintSolver.cpp, convertJoint]
+  void look_at_joints() {
+    long changed = 0;
+    for (Held& each : held_) {
+      each.first = snapshot_->rows.size();
+      each.count = add_rows(each);
+      if (each.hinge == nullptr || each.hinge->effort == 0 || !scene_.soft.empty()) continue;
+      RowState last = snapshot_->rows.back();
+      const bool at_limit = std::isinf(last.upper) || std::isinf(last.lower);
+      if (at_limit || last.offset != -each.hinge->speed) ++changed;
+      if (at_limit) snapshot_->rows.push_back(last);
+      RowState& motor = snapshot_->rows.back();
+      motor.upper = scene_.step * each.hinge->effort;
+      motor.lower = -motor.upper;
+      motor.offset = -each.hinge->speed;
+      motor.name = motor_name(each);
+    }
+    if (changed > 0) {
+      snapshot_->notes.push_back(
+          fmt::format("motors and dry friction at a limit or before it, which Bullet leaves out or slows: {}", changed));
+    }
+  }
+
+  static std::string motor_name(const Held& held) {
+    return fmt::format("hinge {} {}", held.hinge->speed == 0 ? "friction" : "motor", held.name);
+  }
+
+  std::size_t add_rows(const Held& held) {
+    constexpr int kMostRows = 6;
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    struct Row {
+      btVector3 linear_a, angular_a, linear_b, angular_b;
+      btScalar error, cfm, lower, upper;
+    };
+    const btContactSolverInfo& info = world_.getSolverInfo();
+    std::array<Row, kMostRows> rows;
+    const btVector3 zero(0, 0, 0);
+    rows.fill({zero, zero, zero, zero, 0, info.m_globalCfm, -SIMD_INFINITY, SIMD_INFINITY});
+    btTypedConstraint::btConstraintInfo1 size;
+    held.joint->getInfo1(&size);
+    btTypedConstraint::btConstraintInfo2 told;
+    told.fps = 1 / scene_.step;
+    told.erp = info.m_erp;
+    told.m_J1linearAxis = rows[0].linear_a;
+    told.m_J1angularAxis = rows[0].angular_a;
+    told.m_J2linearAxis = rows[0].linear_b;
+    told.m_J2angularAxis = rows[0].angular_b;
+    told.rowskip = sizeof(Row) / sizeof(btScalar);
+    told.m_constraintError = &rows[0].error;
+    told.cfm = &rows[0].cfm;
+    told.m_lowerLimit = &rows[0].lower;
+    told.m_upperLimit = &rows[0].upper;
+    told.m_numIterations = info.m_numIterations;
+    told.m_damping = info.m_damping;
+    held.joint->getInfo2(&told);
+    const btRigidBody& a = held.joint->getRigidBodyA();
+    const btRigidBody& b = held.joint->getRigidBodyB();
+    for (int i = 0; i < size.m_numConstraintRows; ++i) {
+      const Row& row = rows[static_cast<std::size_t>(i)];
+      const bool equality = row.lower <= -SIMD_INFINITY && row.upper >= SIMD_INFINITY;
+      const bool motor = row.lower > -SIMD_INFINITY && row.upper < SIMD_INFINITY;
+      const std::string name =
+          motor ? motor_name(held)
+                : equality ? numbered((held.hinge == nullptr ? "connect equality " : "hinge equality ") + held.name, i + 1)
+                           : "hinge limit " + held.name;
+      RowState state = row_between(a.getUserIndex2(), b.getUserIndex2(), vector(row.linear_a), vector(row.angular_a),
+                                   vector(-row.angular_b), name);
+      state.lower = row.lower <= -SIMD_INFINITY ? -kNone : row.lower;
+      state.upper = row.upper >= SIMD_INFINITY ? kNone : row.upper;
+      if (motor || !scene_.soft.empty()) state.offset = -row.error;
+      if (!scene_.soft.empty()) {
+        state.compliance = row.cfm * (row.linear_a.length2() * a.getInvMass() + row.linear_b.length2() * b.getInvMass() +
+                                      row.angular_a.dot(a.getInvInertiaTensorWorld() * row.angular_a) +
+                                      row.angular_b.dot(b.getInvInertiaTensorWorld() * row.angular_b));
+      }
+      snapshot_->rows.push_back(std::move(state));
+    }
+    return static_cast<std::size_t>(size.m_numConstraintRows);
+  }
+
   Eigen::Matrix3d inertia(std::size_t i) const {
     return world_inertia(matrix(bodies_[i]->getWorldTransform().getBasis()), scene_.bodies[i].inertia);
   }
 
   /// Of the step `index`: gravity, the scene's push and the gyroscopic torque, which Bullet's step then adds.
   void apply_forces(long index) {
+    for (const Held& each : held_) {
+      if (each.hinge == nullptr) continue;
+      btRigidBody& child = each.joint->getRigidBodyA();
+      btRigidBody& parent = each.joint->getRigidBodyB();
+      auto& joint = static_cast<btHingeConstraint&>(*each.joint);
+      const btVector3 axis = child.getWorldTransform().getBasis() * joint.getAFrame().getBasis().getColumn(2);
+      const double speed = axis.dot(child.getAngularVelocity() - parent.getAngularVelocity());
+      const double torque = controller_torque(*each.hinge, joint.getHingeAngle(), speed,
+                                              static_cast<double>(index) * scene_.step);
+      child.applyTorque(torque * axis);
+      parent.applyTorque(-torque * axis);
+    }
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       btRigidBody& body = *bodies_[i];
       if (body.getUserIndex2() == kWorld) continue;
@@ -145,6 +295,7 @@ class BulletEngine final : public Engine {
 
   void look() {
     std::vector<Pose> poses;
+    angular_changes_.clear();
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const btRigidBody& body = *bodies_[i];
       poses.push_back(pose(body.getWorldTransform()));
@@ -156,6 +307,7 @@ class BulletEngine final : public Engine {
       state.linear_velocity = vector(body.getLinearVelocity());
       state.angular_velocity = vector(body.getAngularVelocity());
       state.accelerate(vector(body.getTotalForce()), vector(body.getTotalTorque()), scene_.step);
+      angular_changes_.push_back(state.angular_change);
       if (scene_.soft.empty())
         snapshot_->bodies.push_back(state);
       else
@@ -166,6 +318,8 @@ class BulletEngine final : public Engine {
       btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
       for (int k = 0; k < manifold.getNumContacts(); ++k) look(manifold, manifold.getContactPoint(k));
     }
+    look_at_joints();
+    if (!held_.empty() && scene_.soft.empty()) make_blocks(*snapshot_);
   }
 
   void look(const btPersistentManifold& manifold, btManifoldPoint& point) {
@@ -186,14 +340,6 @@ class BulletEngine final : public Engine {
                         point.getPositionWorldOnB() - b.getCenterOfMassPosition()});
     if (!scene_.soft.empty()) soften(a, b, contact);
     snapshot_->contacts.push_back(contact);
-  }
-
-  static BlockState block_of(const BodyState& state) {
-    BlockState block{Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd(6)};
-    block.mass.topLeftCorner<3, 3>().diagonal().setConstant(state.mass);
-    block.mass.bottomRightCorner<3, 3>() = state.inertia;
-    block.velocity << state.linear_velocity, state.angular_velocity;
-    return block;
   }
 
   /// What Bullet's rows have beside J v+ [btSequentialImpulseConstraintSolver.cpp]: cfm / h, a share erp of the
@@ -230,6 +376,17 @@ class BulletEngine final : public Engine {
     return rows;
   }
 
+  /// Along the tangent, what the torques of the step add: Bullet's rows of friction leave it out.
+  /// [btSequentialImpulseConstraintSolver.cpp, setupFrictionConstraint]
+  double velocity_by_torques(const ContactState& contact) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < contact.rows->coordinates.size(); k += 6) {
+      const auto body = static_cast<std::size_t>(contact.rows->coordinates[k] / 6);
+      sum += contact.rows->tangent.segment<3>(static_cast<Eigen::Index>(k) + 3).dot(angular_changes_[body]);
+    }
+    return sum;
+  }
+
   /// Of all moving bodies, with the step's forces in them, which Bullet's own solver would have added.
   /// @param velocity  6 entries a body, in the order of the snapshot
   void set_velocities(const Eigen::VectorXd& velocity) {
@@ -248,11 +405,17 @@ class BulletEngine final : public Engine {
       if (!scene_.soft.empty()) {
         contact.tangent = vector(point.m_lateralFrictionDir1);  // of the relative velocity in this step
         contact.rows = rows(touches_[i], contact);
+        contact.offset_t(0) = -velocity_by_torques(contact);
       }
       const Eigen::Vector3d impulse = point.m_appliedImpulse * vector(point.m_normalWorldOnB) +
                                       point.m_appliedImpulseLateral1 * vector(point.m_lateralFrictionDir1) +
                                       point.m_appliedImpulseLateral2 * vector(point.m_lateralFrictionDir2);
       contact.impulse = in_axes_of(contact, impulse);
+    }
+    for (const Held& each : held_) {
+      set_impulses(scene_.step * vector(each.feedback->m_appliedForceBodyA),
+                   scene_.step * vector(each.feedback->m_appliedTorqueBodyA),
+                   std::span(snapshot_->rows).subspan(each.first, each.count));
     }
     snapshot_->has_impulses = true;
     snapshot_->velocity_after.resize(6 * moving_);
@@ -271,7 +434,9 @@ class BulletEngine final : public Engine {
   World world_;
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  std::vector<Held> held_;
   int moving_ = 0;
+  std::vector<Eigen::Vector3d> angular_changes_;  ///< by the step's torques, of moving bodies
   std::vector<Touch> touches_;  ///< touches_[i] is of snapshot_->contacts[i]
   Snapshot* snapshot_ = nullptr;
   Eigen::VectorXd velocity_;  ///< of the solver in the loop
@@ -281,7 +446,7 @@ class BulletEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
-  require_free_bodies(scene, model, "Bullet");
+  require_built_scene(scene, model, "Bullet");
   return std::make_unique<BulletEngine>(scene);
 }
 

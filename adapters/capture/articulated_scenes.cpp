@@ -142,6 +142,59 @@ Scene chain() {
   return result;
 }
 
+/// A torque in the engine's own solve; see Hinge.
+Hinge with_effort(Hinge joint, double effort, double speed) {
+  joint.effort = effort;
+  joint.speed = speed;
+  return joint;
+}
+
+/// A push opens the door. Its hinge's dry friction and a crate bring it to rest.
+Scene door() {
+  Scene result = scene("door", "a door on a hinge with dry friction opens against a crate", 0.5);
+  const int post = add(result, fixed(box(0.03, 0.03, 0.6), {0, 0, 0.6}));
+  Body panel = solid({box(0.4, 0.02, 0.5)}, 10, {0.45, 0, 0.55});
+  panel.push = {{0, 30, 0}, 0, 59};
+  add(result, panel, with_effort(hinge(post, {0, 0, 0.55}, Vector3d::UnitZ(), -1.5, 1.5), 2, 0));
+  add(result, solid({box(0.1, 0.1, 0.1)}, 5, {0.7, 0.25, 0.1}));
+  result.step = 0.0025;
+  result.steps = 500;
+  return result;
+}
+
+/// A frame, a crank with dry friction, a coupler and a rocker, whose lower end `loops` joins to the frame. A push
+/// starts it, a ball drops on the coupler, and the crank falls to its limit.
+Scene four_bar() {
+  Scene result = scene("four-bar", "a four-bar linkage with dry friction falls to a limit, and a ball on it", 0.5);
+  const Vector3d crank_base(0, 0, 0.5), crank_end(0, 0, 0.8), rocker_end(0.6, 0, 1), rocker_base(0.6, 0, 0.5);
+  const int frame = add(result, fixed(box(0.35, 0.05, 0.02), {0.3, 0, 0.45}));
+  const int crank = add(result, solid({box(0.02, 0.02, 0.13)}, 1, (crank_base + crank_end) / 2),
+                        with_effort(hinge(frame, crank_base, Vector3d::UnitY(), -1, 1), 0.2, 0));
+  const Vector3d along = (rocker_end - crank_end).normalized();
+  Body link = solid({box(0.28, 0.02, 0.02)}, 1, (crank_end + rocker_end) / 2);
+  link.orientation = turned_about_y(along.x(), -along.z());
+  link.push = {{4, 0, 0}, 0, 19};
+  const int coupler = add(result, std::move(link), hinge(crank, crank_end, Vector3d::UnitY(), -2.5, 2.5));
+  const int rocker = add(result, solid({box(0.02, 0.02, 0.23)}, 1, (rocker_base + rocker_end) / 2),
+                         hinge(coupler, rocker_end, Vector3d::UnitY(), -2.5, 2.5));
+  result.loops.push_back({rocker, frame, rocker_base});
+  add(result, solid({sphere(0.05)}, 0.3, {0.25, 0, 1.05}));
+  result.step = 0.0025;
+  result.steps = 400;
+  return result;
+}
+
+Scene motor() {
+  Scene result = scene("motor", "a motor with little torque to spare lifts an arm and a box to a limit", 0.5);
+  const int post = add(result, fixed(box(0.02, 0.02, 0.25), {0, 0, 0.25}));
+  add(result, solid({box(0.25, 0.03, 0.02)}, 1, {0.27, 0, 0.5}),
+      with_effort(hinge(post, {0, 0, 0.5}, -Vector3d::UnitY(), -0.1, 1), 4, 2));
+  add(result, solid({box(0.03, 0.03, 0.03)}, 0.1, {0.2, 0, 0.55}));
+  result.step = 0.0025;
+  result.steps = 400;
+  return result;
+}
+
 /// The humanoid that comes with MuJoCo. A scene of a model has the step, masses and friction of the model's file.
 constexpr const char* kHumanoid = "humanoid/humanoid.xml";
 
@@ -153,6 +206,9 @@ std::vector<Scene> articulated_scenes() {
           hand(),
           closed_chain(),
           chain(),
+          door(),
+          four_bar(),
+          motor(),
           {.name = "humanoid-falling", .summary = "MuJoCo's humanoid falls", .steps = 400, .model = kHumanoid},
           {.name = "humanoid-lying",
            .summary = "MuJoCo's humanoid lies on the floor",

@@ -2,9 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/error.h"
 
@@ -14,6 +18,15 @@ namespace {
 bool bounces(double restitution, double approach) {
   constexpr double kThreshold = 0.2;  // m/s: slower contacts come to rest
   return restitution > 0 && approach < -kThreshold;
+}
+
+/// Of bodies of 6 coordinates each.
+std::vector<int> coordinates_of(std::initializer_list<int> bodies) {
+  std::vector<int> result;
+  for (const int body : bodies) {
+    for (int k = 0; k < 6 && body != kWorld; ++k) result.push_back(6 * body + k);
+  }
+  return result;
 }
 
 }  // namespace
@@ -120,6 +133,62 @@ void set_square_friction(const Eigen::Vector3d& first, ContactState& contact) {
   contact.mu *= std::numbers::sqrt2;
 }
 
+BlockState block_of(const BodyState& state) {
+  BlockState block{Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd(6)};
+  block.mass.topLeftCorner<3, 3>().diagonal().setConstant(state.mass);
+  block.mass.bottomRightCorner<3, 3>() = state.inertia;
+  block.velocity << state.linear_velocity, state.angular_velocity;
+  return block;
+}
+
+RowState row_between(int a, int b, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular_a,
+                     const Eigen::Vector3d& angular_b, std::string name) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  RowState row{.coordinates = coordinates_of({a, b}), .direction = {}, .lower = -kNone, .upper = kNone};
+  row.direction.resize(static_cast<Eigen::Index>(row.coordinates.size()));
+  row.direction.head<6>() << linear, angular_a;
+  if (b != kWorld) row.direction.tail<6>() << -linear, -angular_b;
+  row.is_angle = linear.isZero(0);
+  row.name = std::move(name);
+  return row;
+}
+
+void set_impulses(const Eigen::Vector3d& force, const Eigen::Vector3d& torque, std::span<RowState> rows) {
+  Eigen::MatrixXd J(6, static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) J.col(static_cast<Eigen::Index>(i)) = rows[i].direction.head<6>();
+  const Eigen::VectorXd impulses =
+      J.colPivHouseholderQr().solve((Eigen::VectorXd(6) << force, torque).finished());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].impulse = impulses(static_cast<Eigen::Index>(i));
+}
+
+void make_blocks(Snapshot& snapshot) {
+  for (ContactState& contact : snapshot.contacts) {
+    Rows rows{.coordinates = coordinates_of({contact.body_a, contact.body_b}), .normal = {}, .tangent = {}, .second_tangent = {}};
+    const auto along = [&](const Eigen::Vector3d& direction) {
+      Eigen::VectorXd row(static_cast<Eigen::Index>(rows.coordinates.size()));
+      Eigen::Index at = 0;
+      for (const int body : {contact.body_a, contact.body_b}) {
+        if (body == kWorld) continue;
+        const Eigen::Vector3d arm = contact.point - snapshot.bodies[static_cast<std::size_t>(body)].position;
+        row.segment<6>(at) << direction, arm.cross(direction);
+        if (body == contact.body_b) row.segment<6>(at) *= -1;
+        at += 6;
+      }
+      return row;
+    };
+    rows.normal = along(contact.normal);
+    rows.tangent = along(contact.tangent);
+    rows.second_tangent = along(contact.normal.cross(contact.tangent));
+    contact.rows = std::move(rows);
+  }
+  for (const BodyState& body : snapshot.bodies) snapshot.blocks.push_back(block_of(body));
+  snapshot.bodies.clear();
+}
+
+std::string numbered(const std::string& name, int count) {
+  return count == 1 ? name : name + " #" + std::to_string(count);
+}
+
 std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses) {
   std::vector<Pose> result;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -130,12 +199,9 @@ std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses)
   return result;
 }
 
-void require_free_bodies(const Scene& scene, const std::string& model, const char* engine) {
+void require_built_scene(const Scene& scene, const std::string& model, const char* engine) {
   if (!model.empty()) throw InputError(std::string("--model: ") + engine + " reads no model files; MuJoCo does");
-  if (scene.articulated()) {
-    throw InputError("scene '" + scene.name + "' has joints, which are captured from MuJoCo and DART, not from " +
-                     engine);
-  }
+  if (!scene.model.empty()) throw InputError("scene '" + scene.name + "' is a model of MuJoCo's and runs there only");
 }
 
 }  // namespace lcpbench::capture

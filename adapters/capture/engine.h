@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -183,10 +184,28 @@ Eigen::Vector3d in_axes_of(const ContactState& contact, const Eigen::Vector3d& i
 /// four edges, turned by 45 degrees, with the coefficient sqrt(2) mu.
 void set_square_friction(const Eigen::Vector3d& first, ContactState& contact);
 
+/// Of a free body: its linear velocity before its angular velocity.
+BlockState block_of(const BodyState& state);
+
+/// A bounded row of the velocity linear'v_a + angular_a'w_a - linear'v_b - angular_b'w_b of two bodies in a snapshot, of
+/// which a moves. Without bounds; it is about an angle where `linear` is zero.
+RowState row_between(int a, int b, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular_a,
+                     const Eigen::Vector3d& angular_b, std::string name);
+
+/// Sets the impulses of rows between the same two bodies by what they do to body a, which they tell apart.
+/// @param force, torque  times the step length
+void set_impulses(const Eigen::Vector3d& force, const Eigen::Vector3d& torque, std::span<RowState> rows);
+
+/// Bounded rows are those of blocks: makes a block of each body, and rows over their coordinates of each contact.
+void make_blocks(Snapshot& snapshot);
+
+/// "name", "name #2" and so on.
+std::string numbered(const std::string& name, int count);
+
 /// @param poses  of the bodies
 std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses);
 
-/// For the engines of free bodies. @throws InputError when the scene has joints, or a model is given
-void require_free_bodies(const Scene& scene, const std::string& model, const char* engine);
+/// For engines that read no models. @throws InputError when the scene is a model, or one is given
+void require_built_scene(const Scene& scene, const std::string& model, const char* engine);
 
 }  // namespace lcpbench::capture

@@ -56,9 +56,6 @@ class ContactNames {
 
  private:
   static constexpr double kSamePlace = 0.05;  // m
-  static std::string numbered(const std::string& pair, int count) {
-    return count == 1 ? pair : fmt::format("{} #{}", pair, count);
-  }
   struct Known {
     Eigen::Vector3d local;
     std::string id;  ///< empty: taken

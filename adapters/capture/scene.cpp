@@ -52,6 +52,16 @@ bool Scene::articulated() const {
          std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.hinge.has_value(); });
 }
 
+bool Scene::driven() const {
+  return std::any_of(bodies.begin(), bodies.end(),
+                     [](const Body& body) { return body.hinge && body.hinge->speed != 0; });
+}
+
+std::size_t Scene::root(std::size_t body) const {
+  while (bodies[body].hinge) body = static_cast<std::size_t>(bodies[body].hinge->parent);
+  return body;
+}
+
 const std::vector<Scene>& scenes() {
   static const std::vector<Scene> all = [] {
     std::vector<Scene> result = free_body_scenes();

@@ -38,6 +38,10 @@ struct Hinge {
   double damping = 0;                                ///< of the controller [N m s / rad]
   double max_torque = 0;                             ///< of the controller [N m]
   Target target;
+  /// Of a motor that is part of the engine's solve: at most this torque keeps the speed after the step at `speed` [N m].
+  /// Dry friction where that speed is 0.
+  double effort = 0;
+  double speed = 0;  ///< [rad/s]
 };
 
 /// A force at the centre of mass, in world axes, during the steps from first to last.
@@ -102,6 +106,11 @@ struct Scene {
   Push model_push;             ///< on the root
 
   bool articulated() const;
+  bool driven() const;  ///< whether a hinge has a motor that is part of the engine's solve
+  /// The first engine that has what the scene needs.
+  const char* engine() const { return articulated() && !driven() ? "mujoco" : "ode"; }
+  /// The body that carries this one over hinges. Bodies with the same root do not touch each other.
+  std::size_t root(std::size_t body) const;
 };
 
 /// All scenes, free bodies first.

@@ -2,6 +2,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -11,8 +13,12 @@
 #include <dart/collision/CollisionObject.hpp>
 #include <dart/collision/dart/DARTCollide.hpp>
 #include <dart/collision/dart/DARTCollisionDetector.hpp>
+#include <dart/constraint/BallJointConstraint.hpp>
 #include <dart/constraint/BoxedLcpConstraintSolver.hpp>
+#include <dart/constraint/ConstrainedGroup.hpp>
 #include <dart/constraint/ContactConstraint.hpp>
+#include <dart/constraint/JointConstraint.hpp>
+#include <dart/constraint/JointCoulombFrictionConstraint.hpp>
 #include <dart/constraint/PgsBoxedLcpSolver.hpp>
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/BoxShape.hpp>
@@ -22,13 +28,13 @@
 #include <dart/dynamics/Skeleton.hpp>
 #include <dart/dynamics/SphereShape.hpp>
 #include <dart/dynamics/WeldJoint.hpp>
+#include <dart/math/Geometry.hpp>
 #include <dart/simulation/World.hpp>
 #include <fmt/format.h>
 
 #include "adapters/capture/close_parts.h"
 #include "adapters/capture/engine.h"
 #include "adapters/capture/problem.h"
-#include "core/error.h"
 
 namespace lcpbench::capture {
 namespace {
@@ -73,23 +79,76 @@ void overlap(const PlacedPart& a, const PlacedPart& b, std::vector<Touch>& touch
   }
 }
 
+/// DART's default solver, which keeps what it finds.
+class KeepingSolver final : public dart::constraint::BoxedLcpConstraintSolver {
+ public:
+  /// Of constraints of the last step; a joint's have one for each that DART found active. Empty where it has none.
+  Eigen::VectorXd impulses(const dart::constraint::ConstraintBase& constraint) const {
+    const auto found = impulses_.find(&constraint);
+    return found == impulses_.end() ? Eigen::VectorXd() : found->second;
+  }
+  double impulse_of_limit_or_motor(const dart::dynamics::Joint& joint) const {
+    return impulse(mJointConstraints, joint, [](const dart::dynamics::Joint& each) {
+      return each.areLimitsEnforced() || each.getActuatorType() == dart::dynamics::Joint::SERVO;
+    });
+  }
+  double impulse_of_friction(const dart::dynamics::Joint& joint) const {
+    return impulse(mJointCoulombFrictionConstraints, joint, [](const dart::dynamics::Joint& each) {
+      return each.getNumDofs() > 0 && each.getCoulombFriction(0) != 0;
+    });
+  }
+  void forget() { impulses_.clear(); }
+
+ private:
+  void solveConstrainedGroup(dart::constraint::ConstrainedGroup& group) override {
+    BoxedLcpConstraintSolver::solveConstrainedGroup(group);
+    for (std::size_t i = 0; i < group.getNumConstraints(); ++i) {
+      const dart::constraint::ConstraintBase& constraint = *group.getConstraint(i);
+      const auto size = static_cast<Eigen::Index>(constraint.getDimension());
+      impulses_[&constraint] = mX.segment(mOffset(static_cast<Eigen::Index>(i)), size);
+    }
+  }
+
+  /// DART's constraints do not tell their joints: there is one for each joint that has it, in order.
+  double impulse(const auto& constraints, const dart::dynamics::Joint& joint, const auto& has_constraint) const {
+    std::size_t place = 0;
+    for (const dart::dynamics::SkeletonPtr& skeleton : mSkeletons) {
+      for (std::size_t i = 0; i < skeleton->getNumJoints(); ++i) {
+        const dart::dynamics::Joint& each = *skeleton->getJoint(i);
+        if (each.isKinematic() || !has_constraint(each)) continue;
+        if (&each == &joint) {
+          const Eigen::VectorXd found = impulses(*constraints[place]);
+          return found.size() == 0 ? 0 : found(0);
+        }
+        ++place;
+      }
+    }
+    return 0;
+  }
+
+  std::map<const dart::constraint::ConstraintBase*, Eigen::VectorXd> impulses_;
+};
+
 class DartEngine final : public Engine {
  public:
   explicit DartEngine(const Scene& scene)
       : Engine(scene, "DART", LCPBENCH_ENGINE_VERSION), world_(dart::simulation::World::create()) {
+    auto keeping = std::make_unique<KeepingSolver>();
+    solver_ = keeping.get();
+    world_->setConstraintSolver(std::move(keeping));
     world_->setGravity(Vector3d(0, 0, -kGravity));
     world_->setTimeStep(scene_.step);
     // DART's own detector; others may not be packaged.
     world_->getConstraintSolver()->setCollisionDetector(dart::collision::DARTCollisionDetector::create());
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) add(i);
+    for (const Loop& loop : scene_.loops) add(loop);
     if (scene_.cfm >= 0) ContactConstraint::setConstraintForceMixing(scene_.cfm);
     if (scene_.erp >= 0) ContactConstraint::setErrorReductionParameter(scene_.erp);
     if (scene_.sweeps == 0) return;
     const auto sweeps = std::make_shared<dart::constraint::PgsBoxedLcpSolver>();
     sweeps->setOption({scene_.sweeps, 0, 1e-15});
-    auto& solver = dynamic_cast<dart::constraint::BoxedLcpConstraintSolver&>(*world_->getConstraintSolver());
-    solver.setBoxedLcpSolver(sweeps);
-    solver.setSecondaryBoxedLcpSolver(nullptr);
+    solver_->setBoxedLcpSolver(sweeps);
+    solver_->setSecondaryBoxedLcpSolver(nullptr);
   }
 
   void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
@@ -101,7 +160,7 @@ class DartEngine final : public Engine {
       look_at_close_parts(snapshot);
     else
       taken = look_at_contacts(snapshot);
-    if (scene_.articulated()) look_at_limits(snapshot);
+    if (scene_.articulated()) look_at_joints(snapshot);
     if (!scene_.soft.empty()) soften(snapshot);
     if (loop) {
       const Eigen::VectorXd after = loop(snapshot);
@@ -110,6 +169,7 @@ class DartEngine final : public Engine {
       if (snapshot.correction.size() > 0) set_velocities(after);
       return;
     }
+    solver_->forget();
     world_->step();
     keep_impulses(taken, snapshot);
     keep_velocities(snapshot);
@@ -180,8 +240,32 @@ class DartEngine final : public Engine {
     joint->setPositionLowerLimit(0, hinge.lower);
     joint->setPositionUpperLimit(0, hinge.upper);
     joint->setLimitEnforcement(true);
+    if (hinge.speed != 0) {
+      joint->setActuatorType(dart::dynamics::Joint::SERVO);
+      joint->setForceLowerLimit(0, -hinge.effort);
+      joint->setForceUpperLimit(0, hinge.effort);
+    } else {
+      joint->setCoulombFriction(0, hinge.effort);
+    }
     world_->addSkeleton(skeleton);
     return node;
+  }
+
+  /// A loop of the scene, and where its point is in the frames of both bodies.
+  struct Held {
+    dart::constraint::ConstraintBasePtr constraint;
+    const BodyNode* first;
+    const BodyNode* second;
+    Vector3d in_first, in_second;
+  };
+
+  void add(const Loop& loop) {
+    BodyNode* first = nodes_[static_cast<std::size_t>(loop.first)];
+    BodyNode* second = nodes_[static_cast<std::size_t>(loop.second)];
+    const auto constraint = std::make_shared<dart::constraint::BallJointConstraint>(first, second, loop.anchor);
+    solver_->addConstraint(constraint);
+    held_.push_back({constraint, first, second, first->getWorldTransform().inverse() * loop.anchor,
+                     second->getWorldTransform().inverse() * loop.anchor});
   }
 
   void apply_forces(long index) {
@@ -191,6 +275,10 @@ class DartEngine final : public Engine {
       if (body.mass > 0 && !push.isZero(0)) nodes_[i]->addExtForce(push, Vector3d::Zero(), false, true);
       if (!body.hinge) continue;
       dart::dynamics::Joint& joint = *nodes_[i]->getParentJoint();
+      if (body.hinge->speed != 0) {
+        joint.setCommand(0, body.hinge->speed);
+        continue;
+      }
       joint.setForce(0, controller_torque(*body.hinge, joint.getPosition(0), joint.getVelocity(0),
                                           static_cast<double>(index) * scene_.step));
     }
@@ -224,6 +312,12 @@ class DartEngine final : public Engine {
       skeleton->setVelocities(before);
     }
     coordinates_ = first;
+    velocity_.resize(first);
+    Eigen::Index at = 0;
+    for (const BlockState& block : snapshot.blocks) {
+      velocity_.segment(at, block.velocity.size()) = block.velocity;
+      at += block.velocity.size();
+    }
   }
 
   /// @param linear, angular  velocities before the forces of the step
@@ -282,6 +376,11 @@ class DartEngine final : public Engine {
     ContactState contact = touch(scene_, found.body_a, found.body_b, found.point, found.normal, found.gap, approach);
     const BodyNode* frame_node = a_moves ? a : b;
     contact.local = frame_node->getWorldTransform().inverse() * contact.point;
+    if (!scene_.soft.empty()) {
+      Vector3d first = contact.normal.cross(Vector3d::UnitZ());
+      if (first.squaredNorm() < 1e-12) first = contact.normal.cross(Vector3d::UnitX());
+      set_square_friction(first.normalized(), contact);
+    }
     if (scene_.articulated()) {
       contact.rows = rows(*a, *b, contact);
     } else {
@@ -301,59 +400,131 @@ class DartEngine final : public Engine {
     return node.getLinearVelocity(node.getWorldTransform().inverse() * point);
   }
 
-  Rows rows(const BodyNode& a, const BodyNode& b, const ContactState& contact) const {
+  /// Of the velocity of a point of body a, as a point of body b sees it, over the coordinates of all blocks.
+  Eigen::MatrixXd jacobian(const BodyNode& a, const BodyNode& b, const Vector3d& point) const {
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, coordinates_);
     for (const BodyNode* node : {&a, &b}) {
       const dart::dynamics::ConstSkeletonPtr skeleton = node->getSkeleton();
       if (skeleton->getNumDofs() == 0) continue;
-      const Vector3d local = node->getWorldTransform().inverse() * contact.point;
+      const Vector3d local = node->getWorldTransform().inverse() * point;
       const Eigen::MatrixXd part = skeleton->getLinearJacobian(node, local);
       J.middleCols(first_.at(skeleton.get()), part.cols()) += node == &a ? part : -part;
     }
-    Rows result;
-    std::vector<int>& used = result.coordinates;
+    return J;
+  }
+
+  std::vector<int> used_coordinates(const Eigen::MatrixXd& J) const {
+    std::vector<int> used;
     for (int k = 0; k < coordinates_; ++k) {
       if (!J.col(k).isZero(0)) used.push_back(k);
     }
-    const Eigen::MatrixXd dense = J(Eigen::all, used);
+    return used;
+  }
+
+  Rows rows(const BodyNode& a, const BodyNode& b, const ContactState& contact) const {
+    const Eigen::MatrixXd J = jacobian(a, b, contact.point);
+    Rows result;
+    result.coordinates = used_coordinates(J);
+    const Eigen::MatrixXd dense = J(Eigen::all, result.coordinates);
     result.normal = dense.transpose() * contact.normal;
     result.tangent = dense.transpose() * contact.tangent;
     result.second_tangent = dense.transpose() * contact.normal.cross(contact.tangent);
     return result;
   }
 
-  /// Joints at their limits, as DART has them: those that have reached it.
-  void look_at_limits(Snapshot& snapshot) {
+  void look_at_joints(Snapshot& snapshot) {
+    of_rows_.clear();
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (!scene_.bodies[i].hinge) continue;
-      const dart::dynamics::Joint& joint = *nodes_[i]->getParentJoint();
-      const int coordinate = first_.at(joint.getSkeleton().get()) + static_cast<int>(joint.getIndexInSkeleton(0));
-      for (const double sign : {1.0, -1.0}) {
-        const double limit = sign > 0 ? joint.getPositionLowerLimit(0) : joint.getPositionUpperLimit(0);
-        ContactState row;
-        row.gap = sign * (joint.getPosition(0) - limit);
-        if (row.gap > 0) continue;
-        row.edges = 0;
-        row.pair = fmt::format("{}-{}", sign > 0 ? "lower" : "upper", i);
-        row.rows.emplace();
-        row.rows->coordinates = {coordinate};
-        row.rows->normal = Eigen::VectorXd::Constant(1, sign);
-        snapshot.contacts.push_back(std::move(row));
-      }
+      if (scene_.bodies[i].hinge) look_at_hinge(i, snapshot);
     }
+    for (std::size_t k = 0; k < held_.size(); ++k) look_at_loop(held_[k], k, snapshot);
+    const auto note = [&](const char* what, long& count) {
+      if (count > 0) snapshot.notes.push_back(fmt::format("{}: {}", what, count));
+      count = 0;
+    };
+    note("motors at a limit, which DART leaves out", motors_left_out_);
+    note("dry friction of hinges at rest, which DART leaves out", friction_left_out_);
+    note("rows of loops that nothing moves, left out", rows_left_out_);
+  }
+
+  /// Limits as DART has them: of joints that have reached them, or would in this step. A joint at a limit has no motor,
+  /// and one at rest no dry friction: hard problems have both. [DART, JointConstraint.cpp]
+  void look_at_hinge(std::size_t body, Snapshot& snapshot) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const Hinge& hinge = *scene_.bodies[body].hinge;
+    const dart::dynamics::Joint& joint = *nodes_[body]->getParentJoint();
+    const int coordinate = first_.at(joint.getSkeleton().get()) + static_cast<int>(joint.getIndexInSkeleton(0));
+    const double speed = velocity_(coordinate), h = scene_.step;
+    const double above_lower = joint.getPosition(0) - hinge.lower, above_upper = joint.getPosition(0) - hinge.upper;
+    RowState row{.coordinates = {coordinate}, .direction = Eigen::VectorXd::Ones(1), .is_angle = true};
+    const bool at_lower = above_lower < 0 || (above_upper <= 0 && speed < -above_lower / h);
+    const bool at_upper = !at_lower && (above_upper > 0 || speed > -above_upper / h);
+    if (at_lower || at_upper) {
+      row.lower = at_upper ? -kNone : 0;
+      row.upper = at_lower ? kNone : 0;
+      row.offset = (at_lower ? std::max(above_lower, 0.0) : std::min(above_upper, 0.0)) / h;
+      row.name = fmt::format("hinge limit j{}", body);
+      keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_limit_or_motor(joint); }, snapshot);
+    }
+    if (hinge.effort == 0) return;
+    row.upper = h * hinge.effort;
+    row.lower = -row.upper;
+    row.offset = -hinge.speed;
+    if (hinge.speed == 0) {
+      row.name = fmt::format("hinge friction j{}", body);
+      if (speed == 0) ++friction_left_out_;
+      if (speed == 0 && !scene_.soft.empty()) return;
+      return keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_friction(joint); }, snapshot);
+    }
+    row.name = fmt::format("hinge motor j{}", body);
+    if (!at_lower && !at_upper) {
+      if (!scene_.soft.empty()) row.offset = -std::clamp(hinge.speed, -above_lower / h, -above_upper / h);
+      return keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_limit_or_motor(joint); }, snapshot);
+    }
+    ++motors_left_out_;
+    if (scene_.soft.empty()) keep(row, [](const KeepingSolver&) { return 0.0; }, snapshot);
+  }
+
+  /// In the axes of the first body, as DART. Of a chain in a plane, the row out of it moves nothing.
+  void look_at_loop(const Held& held, std::size_t number, Snapshot& snapshot) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const Isometry3d frame = held.first->getWorldTransform();
+    const Vector3d point = frame * held.in_first;
+    const Eigen::MatrixXd J = frame.linear().transpose() * jacobian(*held.first, *held.second, point);
+    const Vector3d apart = frame.linear().transpose() * (point - held.second->getWorldTransform() * held.in_second);
+    const double rate = dart::constraint::DynamicJointConstraint::getErrorReductionParameter() / scene_.step;
+    for (int k = 0; k < 3; ++k) {
+      if (!(J.row(k).norm() > 1e-9 * J.norm())) {
+        ++rows_left_out_;
+        continue;
+      }
+      RowState row;
+      row.coordinates = used_coordinates(J);
+      row.direction = J(k, row.coordinates);
+      row.lower = -kNone;
+      row.upper = kNone;
+      row.name = numbered(fmt::format("connect equality {}", number), k + 1);
+      if (!scene_.soft.empty()) row.offset = rate * apart(k);
+      const auto& constraint = held.constraint;
+      keep(row, [&constraint, k](const KeepingSolver& solver) {
+        const Eigen::VectorXd found = solver.impulses(*constraint);
+        return found.size() == 0 ? 0 : found(k);
+      }, snapshot);
+    }
+  }
+
+  /// @param impulse  after DART's step
+  void keep(RowState row, std::function<double(const KeepingSolver&)> impulse, Snapshot& snapshot) {
+    snapshot.rows.push_back(std::move(row));
+    of_rows_.push_back(std::move(impulse));
   }
 
   /// Gives the contacts the rows of DART [ContactConstraint.cpp]. Its diagonal is (1 + cfm) M_ii. Contacts part at erp
   /// penetration / step, at most a constant, or at the speed of the bounce if that is larger and above 0.1 m/s.
   /// Friction is limited along each of two directions by itself. DART has a tangential compliance for each of the two,
-  /// a contact of the problem has one, their mean. @pre every contact has 4 edges: no joint limits
+  /// a contact of the problem has one, their mean. Bounded rows have cfm alike.
   void soften(Snapshot& snapshot) const {
-    for (ContactState& contact : snapshot.contacts) {
-      Vector3d first = contact.normal.cross(Vector3d::UnitZ());
-      if (first.squaredNorm() < 1e-12) first = contact.normal.cross(Vector3d::UnitX());
-      set_square_friction(first.normalized(), contact);
-      contact.offset = 0;
-    }
+    for (ContactState& contact : snapshot.contacts) contact.offset = 0;
     const Problem hard = problem_of(snapshot);
     const Lcp& lcp = hard.lcp();
     const double cfm = ContactConstraint::getConstraintForceMixing();
@@ -367,6 +538,11 @@ class DartEngine final : public Engine {
       contact.compliance_t = cfm / 2 * (lcp.M(row, row) + lcp.M(row + 1, row + 1));
       ++i;
       row += contact.edges;
+    }
+    row = lcp.M.rows() - static_cast<Eigen::Index>(snapshot.rows.size());
+    for (RowState& each : snapshot.rows) {
+      each.compliance = dart::constraint::JointConstraint::getConstraintForceMixing() * lcp.M(row, row);
+      ++row;
     }
   }
 
@@ -396,24 +572,33 @@ class DartEngine final : public Engine {
     }
   }
 
-  /// DART's own, of contacts; it does not tell those of limits, so that scenes with joints have none.
   void keep_impulses(const std::vector<std::size_t>& taken, Snapshot& snapshot) const {
     const auto& solved = world_->getConstraintSolver()->getLastCollisionResult();
-    snapshot.has_impulses = !scene_.articulated() && solved.getNumContacts() == collision_.getNumContacts();
+    snapshot.has_impulses = solved.getNumContacts() == collision_.getNumContacts();
     if (!snapshot.has_impulses) return;
     for (std::size_t k = 0; k < taken.size(); ++k) {
       ContactState& contact = snapshot.contacts[k];
       contact.impulse = in_axes_of(contact, scene_.step * solved.getContact(taken[k]).force);
     }
+    for (std::size_t k = 0; k < of_rows_.size(); ++k) snapshot.rows[k].impulse = of_rows_[k](*solver_);
   }
 
-  /// Not of robots: the coordinates of a free root have turned with it.
+  /// Of robots in the coordinates of before: DART's step turns the linear velocity of a free root with the root.
   void keep_velocities(Snapshot& snapshot) const {
-    if (scene_.articulated()) return;
     snapshot.velocity_after.resize(coordinates_);
     Eigen::Index at = 0;
     for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
-      if (skeleton->getNumDofs() == 0) continue;
+      const auto size = static_cast<Eigen::Index>(skeleton->getNumDofs());
+      if (size == 0) continue;
+      if (scene_.articulated()) {
+        Eigen::VectorXd after = skeleton->getVelocities();
+        if (skeleton->getRootJoint()->getNumDofs() == 6) {
+          after.segment<3>(3) = dart::math::expMapRot(scene_.step * after.head<3>()) * after.segment<3>(3);
+        }
+        snapshot.velocity_after.segment(at, size) = after;
+        at += size;
+        continue;
+      }
       snapshot.velocity_after.segment<3>(at) = skeleton->getBodyNode(0)->getLinearVelocity();
       snapshot.velocity_after.segment<3>(at + 3) = skeleton->getBodyNode(0)->getAngularVelocity();
       at += 6;
@@ -427,21 +612,18 @@ class DartEngine final : public Engine {
   std::map<const BodyNode*, int> moving_of_;  ///< of a free body: its index in the snapshot
   std::map<const void*, int> first_;          ///< of a skeleton: its first coordinate
   int coordinates_ = 0;
+  Eigen::VectorXd velocity_;  ///< of robots, with the step's forces
+  std::vector<Held> held_;
+  KeepingSolver* solver_ = nullptr;
+  std::vector<std::function<double(const KeepingSolver&)>> of_rows_;  ///< the impulses of the snapshot's rows
+  long motors_left_out_ = 0, friction_left_out_ = 0, rows_left_out_ = 0;
   dart::collision::CollisionResult collision_;
 };
 
 }  // namespace
 
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
-  if (!model.empty()) throw InputError("--model: lcpbench reads no model files with DART, but with MuJoCo");
-  if (!scene.model.empty()) throw InputError("scene '" + scene.name + "' is a model of MuJoCo's and runs there only");
-  if (!scene.loops.empty()) {
-    throw InputError("scene '" + scene.name + "' has a closed chain, which is captured from MuJoCo, not from DART");
-  }
-  if (!scene.soft.empty() && scene.articulated()) {
-    throw InputError("--soft: DART does not tell the impulses of robots, which would be judged; scene '" + scene.name +
-                     "' has joints");
-  }
+  require_built_scene(scene, model, "DART");
   return std::make_unique<DartEngine>(scene);
 }
 

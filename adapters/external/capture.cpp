@@ -229,7 +229,9 @@ class ExternalEngine final : public AskedEngine {
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
   signal(SIGPIPE, SIG_IGN);
   if (!model.empty()) return make_model_engine(scene, model);
-  require_free_bodies(scene, model, "an external engine");
+  if (scene.articulated()) {
+    throw InputError("scene '" + scene.name + "' has joints, which no external engine is told");
+  }
   if (!scene.soft.empty() || scene.cfm >= 0 || scene.erp >= 0 || scene.sweeps > 0) {
     throw InputError("an external engine takes none of --soft, cfm, erp and sweeps");
   }

@@ -746,6 +746,10 @@ class MujocoEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
+  if (scene.driven()) {
+    throw InputError("scene '" + scene.name +
+                     "' has a motor in the engine's solve, which is captured from ODE, Bullet and DART, not from MuJoCo");
+  }
   return std::make_unique<MujocoEngine>(scene, model);
 }
 

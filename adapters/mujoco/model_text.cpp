@@ -48,9 +48,11 @@ class Writer {
     }
     if (body.hinge) {
       const Hinge& hinge = *body.hinge;
-      text_ += fmt::format(R"(<joint name="j{}" type="hinge" pos={} axis={} limited="true" range="{} {}"/>)", index,
+      text_ += fmt::format(R"(<joint name="j{}" type="hinge" pos={} axis={} limited="true" range="{} {}")", index,
                            numbers(to_body * (hinge.anchor - body.position)), numbers(to_body * hinge.axis),
                            hinge.lower, hinge.upper);
+      if (hinge.effort > 0) text_ += fmt::format(R"( frictionloss="{}")", hinge.effort);
+      text_ += "/>";
     }
     for (const Part& part : body.parts) add(part, body.hinge.has_value());
     for (std::size_t i = index + 1; i < scene_.bodies.size(); ++i) {

@@ -3,9 +3,12 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <ode/ode.h>
 
 #include "adapters/capture/close_parts.h"
@@ -56,6 +59,11 @@ class OdeEngine final : public Engine {
     if (scene_.erp >= 0) dWorldSetERP(world_, scene_.erp);
     if (scene_.sweeps > 0) dWorldSetQuickStepNumIterations(world_, scene_.sweeps);
     for (const Body& body : scene_.bodies) add(body);
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      if (scene_.bodies[i].hinge) add_hinge(i);
+    }
+    for (const Loop& loop : scene_.loops) add_loop(loop);
+    for (Held& each : held_) dJointSetFeedback(each.joint, &each.feedback);
   }
   ~OdeEngine() override {
     dJointGroupDestroy(joints_);
@@ -71,12 +79,16 @@ class OdeEngine final : public Engine {
     contact_joints_.clear();
     if (loop) {
       for (const Touch& touch : close_parts(scene_, snapshot.poses, overlap)) add(touch);
-      move_on(loop(snapshot), snapshot);
-      return;
+    } else {
+      dSpaceCollide(space_, this,
+                    [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->near(a, b); });
     }
-    dSpaceCollide(space_, this,
-                  [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->near(a, b); });
-    solve(snapshot);
+    if (!held_.empty()) look_at_joints(snapshot);
+    if (loop) {
+      move_on(loop(snapshot), snapshot);
+    } else {
+      solve(snapshot);
+    }
   }
 
  private:
@@ -94,6 +106,12 @@ class OdeEngine final : public Engine {
       const Eigen::Vector3d force = sign * Eigen::Map<const Eigen::Vector3d>(feedback[i].f1);
       contact.impulse = scene_.step * in_axes_of(contact, force);
     }
+    for (const Held& each : held_) {
+      if (each.count == 0) continue;
+      set_impulses(scene_.step * Eigen::Map<const Eigen::Vector3d>(each.feedback.f1),
+                   scene_.step * Eigen::Map<const Eigen::Vector3d>(each.feedback.t1),
+                   std::span(snapshot.rows).subspan(each.first, each.count));
+    }
     snapshot.has_impulses = true;
     dJointGroupEmpty(joints_);
     keep_velocities(snapshot);
@@ -105,6 +123,7 @@ class OdeEngine final : public Engine {
       dBodySetForce(body, 0, 0, 0);
       dBodySetTorque(body, 0, 0, 0);
     }
+    for (const Held& each : held_) dJointDisable(each.joint);
     set_velocities(moving_velocity(velocity, snapshot, scene_.step));
     dWorldQuickStep(world_, scene_.step);
     if (snapshot.correction.size() > 0) set_velocities(velocity);
@@ -159,12 +178,161 @@ class OdeEngine final : public Engine {
     owners_.push_back(std::move(owner));
   }
 
+  /// A joint of ODE's between bodies of the scene, of which the first moves.
+  struct Held {
+    dJointID joint;
+    std::size_t first_body, second_body;
+    dJointFeedback feedback{};
+    std::size_t first = 0, count = 0;  ///< its rows in the snapshot
+  };
+
+  void hold(dJointID joint, std::size_t first, std::size_t second) {
+    dJointAttach(joint, ids_[first], ids_[second]);
+    held_.push_back({joint, first, second});
+  }
+
+  /// The motor or dry friction is a joint of its own: in one of ODE's hinges it would be a mere force at the limits.
+  void add_hinge(std::size_t index) {
+    const Hinge& hinge = *scene_.bodies[index].hinge;
+    const auto parent = static_cast<std::size_t>(hinge.parent);
+    const dJointID joint = dJointCreateHinge(world_, nullptr);
+    hold(joint, index, parent);
+    dJointSetHingeAnchor(joint, hinge.anchor.x(), hinge.anchor.y(), hinge.anchor.z());
+    dJointSetHingeAxis(joint, hinge.axis.x(), hinge.axis.y(), hinge.axis.z());
+    dJointSetHingeParam(joint, dParamLoStop, hinge.lower);
+    dJointSetHingeParam(joint, dParamHiStop, hinge.upper);
+    if (hinge.effort == 0) return;
+    const dJointID motor = dJointCreateAMotor(world_, nullptr);
+    hold(motor, index, parent);
+    dJointSetAMotorNumAxes(motor, 1);
+    constexpr int kWithFirstBody = 1;
+    dJointSetAMotorAxis(motor, 0, kWithFirstBody, hinge.axis.x(), hinge.axis.y(), hinge.axis.z());
+    dJointSetAMotorParam(motor, dParamFMax, hinge.effort);
+    dJointSetAMotorParam(motor, dParamVel, hinge.speed);
+  }
+
+  void add_loop(const Loop& loop) {
+    const dJointID joint = dJointCreateBall(world_, nullptr);
+    hold(joint, static_cast<std::size_t>(loop.first), static_cast<std::size_t>(loop.second));
+    dJointSetBallAnchor(joint, loop.anchor.x(), loop.anchor.y(), loop.anchor.z());
+  }
+
+  void look_at_joints(Snapshot& snapshot) {
+    int loops = 0;
+    for (Held& each : held_) {
+      each.first = snapshot.rows.size();
+      const int type = dJointGetType(each.joint);
+      if (type == dJointTypeHinge) {
+        look_at_hinge(each, snapshot);
+      } else if (type == dJointTypeAMotor) {
+        look_at_motor(each, snapshot);
+      } else {
+        dVector3 first, second;
+        dJointGetBallAnchor(each.joint, first);
+        dJointGetBallAnchor2(each.joint, second);
+        add_point(each, first, second, fmt::format("connect equality {}", loops++), snapshot);
+      }
+      each.count = snapshot.rows.size() - each.first;
+    }
+    make_blocks(snapshot);
+  }
+
+  Eigen::Vector3d centre(std::size_t body) const {
+    if (ids_[body] == nullptr) return Eigen::Vector3d::Zero();
+    return Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(ids_[body]));
+  }
+
+  /// A row of ODE's, J v+ + cfm f / h = c with f the impulse. Hard equality constraints keep the error of positions that
+  /// they have, as contacts keep their penetration. [ODE, joints/joint.cpp, quickstep.cpp]
+  void add_row(RowState row, double c, Snapshot& snapshot) const {
+    if (!scene_.soft.empty()) {
+      row.offset = -c;
+      row.compliance = dWorldGetCFM(world_) / scene_.step;
+    }
+    snapshot.rows.push_back(std::move(row));
+  }
+
+  void add_point(const Held& held, const dReal* first, const dReal* second, const std::string& name,
+                 Snapshot& snapshot) const {
+    const Eigen::Map<const Eigen::Vector3d> p(first), q(second);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d axis = Eigen::Vector3d::Unit(k);
+      add_row(row_of(held, axis, (p - centre(held.first_body)).cross(axis), (q - centre(held.second_body)).cross(axis),
+                     numbered(name, k + 1)),
+              dWorldGetERP(world_) / scene_.step * (q - p)(k), snapshot);
+    }
+  }
+
+  RowState row_of(const Held& held, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular_first,
+                  const Eigen::Vector3d& angular_second, const std::string& name) const {
+    return row_between(owners_[held.first_body]->moving, owners_[held.second_body]->moving, linear, angular_first,
+                       angular_second, name);
+  }
+
+  /// Of the velocity at which the first body turns about an axis, as the second sees it.
+  RowState row_about(const Held& held, const Eigen::Vector3d& axis, const std::string& name) const {
+    return row_of(held, Eigen::Vector3d::Zero(), axis, axis, name);
+  }
+
+  Eigen::Vector3d axis_in(std::size_t body, const Eigen::Vector3d& axis) const {
+    const Eigen::Quaterniond turned = ids_[body] == nullptr ? scene_.bodies[body].orientation : pose(ids_[body]).rotation;
+    return turned * (scene_.bodies[body].orientation.conjugate() * axis);
+  }
+
+  void look_at_hinge(const Held& held, Snapshot& snapshot) const {
+    const Hinge& hinge = *scene_.bodies[held.first_body].hinge;
+    dVector3 first, second;
+    dJointGetHingeAnchor(held.joint, first);
+    dJointGetHingeAnchor2(held.joint, second);
+    const std::string name = fmt::format("hinge equality j{}", held.first_body);
+    add_point(held, first, second, name, snapshot);
+    const double rate = dWorldGetERP(world_) / scene_.step;
+    const Eigen::Vector3d axis = axis_in(held.first_body, hinge.axis);
+    const Eigen::Vector3d error = axis.cross(axis_in(held.second_body, hinge.axis));
+    const Eigen::Vector3d across = tangent_to(axis);
+    add_row(row_about(held, across, numbered(name, 4)), rate * error.dot(across), snapshot);
+    const Eigen::Vector3d other = axis.cross(across);
+    add_row(row_about(held, other, numbered(name, 5)), rate * error.dot(other), snapshot);
+    const double angle = dJointGetHingeAngle(held.joint);
+    const bool at_lower = angle <= hinge.lower;
+    if (!at_lower && angle < hinge.upper) return;
+    RowState limit = row_about(held, axis, fmt::format("hinge limit j{}", held.first_body));
+    (at_lower ? limit.lower : limit.upper) = 0;
+    add_row(std::move(limit), -rate * (angle - (at_lower ? hinge.lower : hinge.upper)), snapshot);
+  }
+
+  void look_at_motor(const Held& held, Snapshot& snapshot) const {
+    const Hinge& hinge = *scene_.bodies[held.first_body].hinge;
+    RowState row = row_about(held, axis_in(held.first_body, hinge.axis),
+                             fmt::format("hinge {} j{}", hinge.speed == 0 ? "friction" : "motor", held.first_body));
+    row.upper = scene_.step * hinge.effort;
+    row.lower = -row.upper;
+    row.offset = -hinge.speed;
+    add_row(std::move(row), hinge.speed, snapshot);
+  }
+
   static Pose pose(dBodyID id) {
     const dReal* q = dBodyGetQuaternion(id);
     return {Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(id)), {q[0], q[1], q[2], q[3]}};
   }
 
+  /// Of the controllers at the hinges, on each body.
+  std::vector<Eigen::Vector3d> controller_torques(long index) const {
+    std::vector<Eigen::Vector3d> torques(ids_.size(), Eigen::Vector3d::Zero());
+    for (const Held& each : held_) {
+      if (dJointGetType(each.joint) != dJointTypeHinge) continue;
+      const Hinge& hinge = *scene_.bodies[each.first_body].hinge;
+      const double torque = controller_torque(hinge, dJointGetHingeAngle(each.joint), dJointGetHingeAngleRate(each.joint),
+                                              static_cast<double>(index) * scene_.step);
+      const Eigen::Vector3d along = torque * axis_in(each.first_body, hinge.axis);
+      torques[each.first_body] += along;
+      torques[each.second_body] -= along;
+    }
+    return torques;
+  }
+
   void apply_forces(long index, Snapshot& snapshot) {
+    const std::vector<Eigen::Vector3d> torques = controller_torques(index);
     std::vector<Pose> poses;
     for (std::size_t i = 0; i < ids_.size(); ++i) {
       const Body& body = scene_.bodies[i];
@@ -181,7 +349,8 @@ class OdeEngine final : public Engine {
       state.linear_velocity = Eigen::Map<const Eigen::Vector3d>(dBodyGetLinearVel(ids_[i]));
       state.angular_velocity = Eigen::Map<const Eigen::Vector3d>(dBodyGetAngularVel(ids_[i]));
       const Eigen::Vector3d force = force_on(body, index);
-      const Eigen::Vector3d torque = gyroscopic_torque(state.inertia, state.angular_velocity, scene_.step);
+      const Eigen::Vector3d torque =
+          gyroscopic_torque(state.inertia, state.angular_velocity, scene_.step) + torques[i];
       dBodyAddForce(ids_[i], force.x(), force.y(), force.z());
       dBodyAddTorque(ids_[i], torque.x(), torque.y(), torque.z());
       state.accelerate(force, torque, scene_.step);
@@ -193,7 +362,7 @@ class OdeEngine final : public Engine {
   void near(dGeomID first, dGeomID second) {
     const Owner& a = *static_cast<const Owner*>(dGeomGetData(first));
     const Owner& b = *static_cast<const Owner*>(dGeomGetData(second));
-    if (a.body == b.body || (a.moving == kWorld && b.moving == kWorld)) return;
+    if (scene_.root(a.body) == scene_.root(b.body) || (a.moving == kWorld && b.moving == kWorld)) return;
     std::array<dContact, kMostContacts> found{};
     const int count = dCollide(first, second, kMostContacts, &found[0].geom, sizeof(dContact));
     for (int i = 0; i < count; ++i) add(found[static_cast<std::size_t>(i)], a, b);
@@ -216,6 +385,7 @@ class OdeEngine final : public Engine {
   }
 
   void add(const Touch& touch) {
+    if (scene_.root(touch.body_a) == scene_.root(touch.body_b)) return;
     const int a = owners_[touch.body_a]->moving;
     const int b = owners_[touch.body_b]->moving;
     const Eigen::Vector3d approach = velocity(a, touch.point) - velocity(b, touch.point);
@@ -262,14 +432,15 @@ class OdeEngine final : public Engine {
   std::vector<dBodyID> ids_;  ///< of the scene's bodies; nullptr for the world's
   std::vector<dBodyID> moving_;
   std::vector<std::unique_ptr<Owner>> owners_;
-  std::vector<dJointID> contact_joints_;  ///< the joints of this step
+  std::vector<dJointID> contact_joints_;  ///< of this step
+  std::vector<Held> held_;
   Snapshot* snapshot_ = nullptr;
 };
 
 }  // namespace
 
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
-  require_free_bodies(scene, model, "ODE");
+  require_built_scene(scene, model, "ODE");
   return std::make_unique<OdeEngine>(scene);
 }
 

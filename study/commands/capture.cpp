@@ -32,7 +32,6 @@ struct CaptureArguments {
 
 /// Completes what was not given. @throws InputError on an unknown scene
 void complete(CaptureArguments& arguments) {
-  const bool articulated = !arguments.model.empty() || capture::find_scene(arguments.scene).articulated();
   if (!arguments.model.empty() && !std::filesystem::is_regular_file(arguments.model)) {
     throw InputError(fmt::format("--model '{}': no such file", arguments.model));
   }
@@ -46,7 +45,8 @@ void complete(CaptureArguments& arguments) {
   if (!arguments.soft.empty() && arguments.loop != "engine") {
     throw InputError("--soft: the engine's own contacts are captured where the engine solves them, not with --loop");
   }
-  if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
+  const std::string first = !arguments.model.empty() ? "mujoco" : capture::find_scene(arguments.scene).engine();
+  if (arguments.engine.empty()) arguments.engine = first;
   const std::string engine = capture::engine_spec(arguments.engine).name;
   if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", parse_spec(arguments.scene).name, engine);
   if (!is_scenes_file(arguments.out)) {
@@ -206,8 +206,7 @@ Action add_capture_command(CLI::App& command) {
   command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
   command.footer(
       "Scenes of free bodies run in ode (the default), bullet, mujoco, dart and external engines; scenes with joints "
-      "in "
-      "mujoco (the default) and dart. See docs/howto/capture-a-scene.md." +
+      "in mujoco (the default), ode, bullet and dart; a motor not in mujoco. See docs/howto/capture-a-scene.md." +
       list_of_scenes());
   return [arguments] { return run_capture(*arguments); };
 }

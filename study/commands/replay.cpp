@@ -46,7 +46,7 @@ struct ReplayArguments {
 /// The one that was asked for, or the first that has what the scene needs.
 std::string engine_for(const ReplayArguments& arguments, const capture::Scene& scene) {
   if (!arguments.engine.empty()) return arguments.engine;
-  return scene.articulated() || !arguments.model.empty() ? "mujoco" : "ode";
+  return arguments.model.empty() ? scene.engine() : "mujoco";
 }
 
 /// @throws InputError for a stepper with a solver that cannot step a scene on
@@ -395,7 +395,7 @@ Action add_replay_command(CLI::App& command) {
   command
       .add_option("--engine", arguments->engine,
                   "whose collision detection and integrator: ode, bullet, mujoco, dart or external{command=...} "
-                  "(default: ode; mujoco for scenes with joints, which mujoco and dart step)");
+                  "(default: ode; mujoco for scenes with joints)");
   command.add_option("--steps", arguments->steps, "steps of each replay (default: the scene's own)")
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)));
   CLI::Option* plan = command.add_option("--plan", arguments->plan,

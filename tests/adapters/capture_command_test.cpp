@@ -347,7 +347,7 @@ TEST_F(Capture, NamesWhatIsWrong) {
   refused("stack --loop outo", "did you mean 'auto'?");
   refused("robot --model missing.xml", "--model 'missing.xml': no such file");
   if (installed("ode")) {
-    refused("hand --engine ode", "scene 'hand' has joints");
+    refused("humanoid-lying --engine ode", "scene 'humanoid-lying' is a model of MuJoCo's and runs there only");
     refused("'stack{elliptic=true}' --engine ode", "scene 'stack{elliptic=true}': elliptic cones are MuJoCo's alone");
     refused("'stack{sweeps=20}' --engine ode --soft exact", "--soft exact sets the sweeps itself, to 1,000");
     refused("stack --engine ode --soft pgs", "--soft pgs: a solver of MuJoCo's");

@@ -50,6 +50,6 @@ lcpbench_test(external APART AND external_safety
     LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" REPOSITORY="${PROJECT_SOURCE_DIR}")
 
 # Engines that capture scenes.
-foreach(test close_parts capture_command capture_files external_engine engine_solver)
+foreach(test close_parts capture_command capture_files capture_rows external_engine engine_solver)
   lcpbench_test(${test})
 endforeach()
