@@ -73,7 +73,7 @@ class BulletEngine final : public Engine {
     };
     for (const Body& body : scene_.bodies) add(body);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (scene_.bodies[i].hinge) add_hinge(i);
+      if (scene_.bodies[i].joint) add_joint(i);
       for (std::size_t k = 0; k < i; ++k) {
         if (scene_.root(i) != scene_.root(k)) continue;
         bodies_[i]->setIgnoreCollisionCheck(bodies_[k].get(), true);
@@ -146,33 +146,44 @@ class BulletEngine final : public Engine {
   /// A joint of Bullet's between bodies of the scene, of which the first moves.
   struct Held {
     std::unique_ptr<btTypedConstraint> joint;
-    const Hinge* hinge;  ///< none: a loop
+    const Joint* of;     ///< none: a loop
     std::string name;    ///< of its body or loop
     std::unique_ptr<btJointFeedback> feedback = std::make_unique<btJointFeedback>();
     std::size_t first = 0, count = 0;  ///< the rows in the snapshot that Bullet solves
   };
 
-  void hold(std::unique_ptr<btTypedConstraint> joint, const Hinge* hinge, std::string name) {
-    Held& held = held_.emplace_back(Held{std::move(joint), hinge, std::move(name)});
+  void hold(std::unique_ptr<btTypedConstraint> joint, const Joint* of, std::string name) {
+    Held& held = held_.emplace_back(Held{std::move(joint), of, std::move(name)});
     held.joint->setJointFeedback(held.feedback.get());
     world_.addConstraint(held.joint.get(), true);
   }
 
-  /// With the rows of a hinge: those by offsets of its frames, Bullet's default, leave the turning of a body out at a
-  /// limit. Without the bounce that Bullet's limits have by default.
-  void add_hinge(std::size_t index) {
-    const Hinge& hinge = *scene_.bodies[index].hinge;
+  /// Hinges without offsets of their frames, Bullet's default, by which the turning of a body is left out at a limit. And
+  /// without the bounce that their limits have by default.
+  void add_joint(std::size_t index) {
+    const Joint& of = *scene_.bodies[index].joint;
     btRigidBody& child = *bodies_[index];
-    btRigidBody& parent = *bodies_[static_cast<std::size_t>(hinge.parent)];
-    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), hinge.axis);
-    const btTransform at(btQuaternion(q.x(), q.y(), q.z(), q.w()), vector(hinge.anchor));
-    auto joint = std::make_unique<btHingeConstraint>(child, parent, child.getWorldTransform().inverse() * at,
-                                                     parent.getWorldTransform().inverse() * at);
+    btRigidBody& parent = *bodies_[static_cast<std::size_t>(of.parent)];
+    const Eigen::Vector3d along = of.slides ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();  // in the joint's frame
+    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(along, of.axis);
+    const btTransform at(btQuaternion(q.x(), q.y(), q.z(), q.w()), vector(of.anchor));
+    const btTransform in_child = child.getWorldTransform().inverse() * at;
+    const btTransform in_parent = parent.getWorldTransform().inverse() * at;
+    if (of.slides) {
+      auto joint = std::make_unique<btSliderConstraint>(child, parent, in_child, in_parent, false);
+      joint->setLowerLinLimit(of.lower);
+      joint->setUpperLinLimit(of.upper);
+      joint->setPoweredLinMotor(of.effort > 0);
+      joint->setTargetLinMotorVelocity(of.speed);
+      joint->setMaxLinMotorForce(of.effort);
+      return hold(std::move(joint), &of, fmt::format("j{}", index));
+    }
+    auto joint = std::make_unique<btHingeConstraint>(child, parent, in_child, in_parent);
     joint->setUseFrameOffset(false);
     constexpr double kSoftness = 0.9, kBias = 0.3, kBounce = 0;  // the first two are Bullet's defaults
-    joint->setLimit(hinge.lower, hinge.upper, kSoftness, kBias, kBounce);
-    if (hinge.effort > 0) joint->enableAngularMotor(true, hinge.speed, scene_.step * hinge.effort);
-    hold(std::move(joint), &hinge, fmt::format("j{}", index));
+    joint->setLimit(of.lower, of.upper, kSoftness, kBias, kBounce);
+    if (of.effort > 0) joint->enableAngularMotor(true, of.speed, scene_.step * of.effort);
+    hold(std::move(joint), &of, fmt::format("j{}", index));
   }
 
   void add_loop(const Loop& loop) {
@@ -185,7 +196,7 @@ class BulletEngine final : public Engine {
   }
 
   /// Bullet's rows of its joints, with f the impulse: J v+ + cfm M_ii f = rhs. Hard equality constraints keep the error
-  /// of positions that they have, as contacts keep their penetration. In Bullet a hinge at a limit has no motor and no
+  /// of positions that they have, as contacts keep their penetration. In Bullet a joint at a limit has no motor and no
   /// dry friction, and its motor is slow before a limit: hard problems have them as they are.
   /// [btSequentialImpulseConstraintSolver.cpp, convertJoint]
   void look_at_joints() {
@@ -193,16 +204,23 @@ class BulletEngine final : public Engine {
     for (Held& each : held_) {
       each.first = snapshot_->rows.size();
       each.count = add_rows(each);
-      if (each.hinge == nullptr || each.hinge->effort == 0 || !scene_.soft.empty()) continue;
-      RowState last = snapshot_->rows.back();
-      const bool at_limit = std::isinf(last.upper) || std::isinf(last.lower);
-      if (at_limit || last.offset != -each.hinge->speed) ++changed;
-      if (at_limit) snapshot_->rows.push_back(last);
-      RowState& motor = snapshot_->rows.back();
-      motor.upper = scene_.step * each.hinge->effort;
+      if (each.of == nullptr || each.of->effort == 0 || !scene_.soft.empty()) continue;
+      const auto own = std::find_if(snapshot_->rows.begin() + static_cast<std::ptrdiff_t>(each.first),
+                                    snapshot_->rows.end(), [](const RowState& row) {
+                                      return !std::isinf(row.lower) || !std::isinf(row.upper);
+                                    });
+      const bool at_limit = std::isinf(own->upper) || std::isinf(own->lower);
+      if (at_limit || own->offset != -each.of->speed) ++changed;
+      RowState motor = *own;
+      motor.upper = scene_.step * each.of->effort;
       motor.lower = -motor.upper;
-      motor.offset = -each.hinge->speed;
+      motor.offset = -each.of->speed;
       motor.name = motor_name(each);
+      if (at_limit) {
+        snapshot_->rows.push_back(std::move(motor));
+      } else {
+        *own = std::move(motor);
+      }
     }
     if (changed > 0) {
       snapshot_->notes.push_back(
@@ -211,7 +229,7 @@ class BulletEngine final : public Engine {
   }
 
   static std::string motor_name(const Held& held) {
-    return fmt::format("hinge {} {}", held.hinge->speed == 0 ? "friction" : "motor", held.name);
+    return fmt::format("{} {} {}", held.of->kind(), held.of->speed == 0 ? "friction" : "motor", held.name);
   }
 
   std::size_t add_rows(const Held& held) {
@@ -250,8 +268,9 @@ class BulletEngine final : public Engine {
       const bool motor = row.lower > -SIMD_INFINITY && row.upper < SIMD_INFINITY;
       const std::string name =
           motor ? motor_name(held)
-                : equality ? numbered((held.hinge == nullptr ? "connect equality " : "hinge equality ") + held.name, i + 1)
-                           : "hinge limit " + held.name;
+                : equality ? numbered(fmt::format("{} equality {}", held.of == nullptr ? "connect" : held.of->kind(), held.name),
+                                      i + 1)
+                           : fmt::format("{} limit {}", held.of->kind(), held.name);
       RowState state = row_between(a.getUserIndex2(), b.getUserIndex2(), vector(row.linear_a), vector(row.angular_a),
                                    vector(-row.angular_b), name);
       state.lower = row.lower <= -SIMD_INFINITY ? -kNone : row.lower;
@@ -274,13 +293,13 @@ class BulletEngine final : public Engine {
   /// Of the step `index`: gravity, the scene's push and the gyroscopic torque, which Bullet's step then adds.
   void apply_forces(long index) {
     for (const Held& each : held_) {
-      if (each.hinge == nullptr) continue;
+      if (each.of == nullptr || each.of->slides) continue;
       btRigidBody& child = each.joint->getRigidBodyA();
       btRigidBody& parent = each.joint->getRigidBodyB();
       auto& joint = static_cast<btHingeConstraint&>(*each.joint);
       const btVector3 axis = child.getWorldTransform().getBasis() * joint.getAFrame().getBasis().getColumn(2);
       const double speed = axis.dot(child.getAngularVelocity() - parent.getAngularVelocity());
-      const double torque = controller_torque(*each.hinge, joint.getHingeAngle(), speed,
+      const double torque = controller_torque(*each.of, joint.getHingeAngle(), speed,
                                               static_cast<double>(index) * scene_.step);
       child.applyTorque(torque * axis);
       parent.applyTorque(-torque * axis);

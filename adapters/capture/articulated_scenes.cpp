@@ -11,12 +11,12 @@ using Eigen::Vector3d;
 
 constexpr double kHalfTurn = 3.141592653589793;
 
-Hinge hinge(int parent, const Vector3d& anchor, const Vector3d& axis, double lower, double upper) {
+Joint hinge(int parent, const Vector3d& anchor, const Vector3d& axis, double lower, double upper) {
   return {.parent = parent, .anchor = anchor, .axis = axis, .lower = lower, .upper = upper};
 }
 
 /// @param stiffness  of the controller [N m / rad]; its damping is stiffness * 0.025 s. @param max_torque  [N m]
-Hinge driven(Hinge joint, double stiffness, double max_torque, const Target& target) {
+Joint driven(Joint joint, double stiffness, double max_torque, const Target& target) {
   joint.stiffness = stiffness;
   joint.damping = stiffness / 40;
   joint.max_torque = max_torque;
@@ -29,8 +29,8 @@ int add(Scene& scene, Body body) {
   return static_cast<int>(scene.bodies.size()) - 1;
 }
 
-int add(Scene& scene, Body body, const Hinge& joint) {
-  body.hinge = joint;
+int add(Scene& scene, Body body, const Joint& joint) {
+  body.joint = joint;
   return add(scene, std::move(body));
 }
 
@@ -114,7 +114,7 @@ Scene closed_chain() {
     Body link = solid({box(0.2, 0.06, 0.03)}, 1, (from + to) / 2);
     link.orientation = along.x() < -0.9 ? Eigen::Quaterniond(0, 0, 1, 0)  // upside down
                                         : turned_about_y(along.x(), -along.z());
-    if (previous >= 0) link.hinge = hinge(previous, from, Vector3d::UnitY(), -1.5, 1.5);
+    if (previous >= 0) link.joint = hinge(previous, from, Vector3d::UnitY(), -1.5, 1.5);
     previous = add(result, std::move(link));
   }
   result.loops.push_back({previous, previous - 5, corners[0] + lift});
@@ -142,8 +142,8 @@ Scene chain() {
   return result;
 }
 
-/// A torque in the engine's own solve; see Hinge.
-Hinge with_effort(Hinge joint, double effort, double speed) {
+/// A torque in the engine's own solve; see Joint.
+Joint with_effort(Joint joint, double effort, double speed) {
   joint.effort = effort;
   joint.speed = speed;
   return joint;
@@ -195,6 +195,29 @@ Scene motor() {
   return result;
 }
 
+Joint slide(int parent, const Vector3d& anchor, const Vector3d& axis, double lower, double upper) {
+  Joint joint = hinge(parent, anchor, axis, lower, upper);
+  joint.slides = true;
+  return joint;
+}
+
+/// A carriage that rises on a post, and two jaws that close on a box. All three slide by motors of limited force.
+Scene jaws() {
+  Scene result = scene("jaws", "a gripper with motors of limited force closes its jaws on a box and lifts it", 0.6);
+  const int post = add(result, fixed(box(0.05, 0.05, 0.5), {0, 0.4, 0.5}));
+  const int carriage = add(result, solid({box(0.2, 0.05, 0.03)}, 2, {0, 0.2, 0.3}),
+                           with_effort(slide(post, {0, 0.2, 0.3}, Vector3d::UnitZ(), -0.05, 0.2), 60, 0.1));
+  for (const int side : {-1, 1}) {
+    const Vector3d at(side * 0.14, 0, 0.15);
+    add(result, solid({box(0.02, 0.04, 0.08)}, 0.5, at),
+        with_effort(slide(carriage, at, -side * Vector3d::UnitX(), -0.05, 0.1), 25, 0.2));
+  }
+  add(result, solid({box(0.08, 0.06, 0.1)}, 1, {0, 0, 0.1}));
+  result.step = 0.0025;
+  result.steps = 400;
+  return result;
+}
+
 /// The humanoid that comes with MuJoCo. A scene of a model has the step, masses and friction of the model's file.
 constexpr const char* kHumanoid = "humanoid/humanoid.xml";
 
@@ -209,6 +232,7 @@ std::vector<Scene> articulated_scenes() {
           door(),
           four_bar(),
           motor(),
+          jaws(),
           {.name = "humanoid-falling", .summary = "MuJoCo's humanoid falls", .steps = 400, .model = kHumanoid},
           {.name = "humanoid-lying",
            .summary = "MuJoCo's humanoid lies on the floor",

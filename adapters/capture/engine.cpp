@@ -87,7 +87,7 @@ Eigen::Vector3d gyroscopic_torque(const Eigen::Matrix3d& inertia, const Eigen::V
   return inertia * slope.inverse() * -rest / h;
 }
 
-double controller_torque(const Hinge& hinge, double angle, double velocity, double time) {
+double controller_torque(const Joint& hinge, double angle, double velocity, double time) {
   const Target& target = hinge.target;
   const double wanted =
       target.centre + target.amplitude * std::sin(2 * std::numbers::pi * target.frequency * time + target.phase);

@@ -159,7 +159,7 @@ Eigen::Vector3d force_on(const Body& body, long step);
 Eigen::Vector3d gyroscopic_torque(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& angular_velocity, double h);
 
 /// The torque of the scene's controller at a hinge.
-double controller_torque(const Hinge& hinge, double angle, double velocity, double time);
+double controller_torque(const Joint& hinge, double angle, double velocity, double time);
 
 /// A direction orthogonal to a unit normal.
 Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal);

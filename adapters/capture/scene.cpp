@@ -49,16 +49,16 @@ struct SceneChanges {
 
 bool Scene::articulated() const {
   return !model.empty() ||
-         std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.hinge.has_value(); });
+         std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.joint.has_value(); });
 }
 
 bool Scene::driven() const {
   return std::any_of(bodies.begin(), bodies.end(),
-                     [](const Body& body) { return body.hinge && body.hinge->speed != 0; });
+                     [](const Body& body) { return body.joint && body.joint->speed != 0; });
 }
 
 std::size_t Scene::root(std::size_t body) const {
-  while (bodies[body].hinge) body = static_cast<std::size_t>(bodies[body].hinge->parent);
+  while (bodies[body].joint) body = static_cast<std::size_t>(bodies[body].joint->parent);
   return body;
 }
 

@@ -27,14 +27,15 @@ struct Target {
   double phase = 0;      ///< [rad]
 };
 
-/// A hinge between a body and its parent. Angles are zero in the pose of the description.
-struct Hinge {
+/// A hinge between a body and its parent, or a slide along the axis. Angles and positions are zero in the pose of the
+/// description. Units are those of a hinge; a slide has m in place of rad, and N in place of N m.
+struct Joint {
   int parent = 0;                                    ///< an earlier body
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< a point of the axis, in the world
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();   ///< in the world
   double lower = -1;                                 ///< [rad]
   double upper = 1;                                  ///< [rad]
-  double stiffness = 0;                              ///< of the controller [N m / rad]
+  double stiffness = 0;                              ///< of a hinge's controller [N m / rad]
   double damping = 0;                                ///< of the controller [N m s / rad]
   double max_torque = 0;                             ///< of the controller [N m]
   Target target;
@@ -42,6 +43,9 @@ struct Hinge {
   /// Dry friction where that speed is 0.
   double effort = 0;
   double speed = 0;  ///< [rad/s]
+  bool slides = false;
+
+  const char* kind() const { return slides ? "slide" : "hinge"; }
 };
 
 /// A force at the centre of mass, in world axes, during the steps from first to last.
@@ -61,7 +65,7 @@ struct Body {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< in world axes
-  std::optional<Hinge> hinge;                                  ///< without: the body moves freely
+  std::optional<Joint> joint;                                  ///< without: the body moves freely
   Push push;
 };
 
@@ -106,10 +110,10 @@ struct Scene {
   Push model_push;             ///< on the root
 
   bool articulated() const;
-  bool driven() const;  ///< whether a hinge has a motor that is part of the engine's solve
+  bool driven() const;  ///< whether a joint has a motor that is part of the engine's solve
   /// The first engine that has what the scene needs.
   const char* engine() const { return articulated() && !driven() ? "mujoco" : "ode"; }
-  /// The body that carries this one over hinges. Bodies with the same root do not touch each other.
+  /// The body that carries this one over joints. Bodies with the same root do not touch each other.
   std::size_t root(std::size_t body) const;
 };
 

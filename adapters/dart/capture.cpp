@@ -23,6 +23,7 @@
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/BoxShape.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/PrismaticJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
 #include <dart/dynamics/SimpleFrame.hpp>
 #include <dart/dynamics/Skeleton.hpp>
@@ -178,7 +179,7 @@ class DartEngine final : public Engine {
  private:
   void add(std::size_t index) {
     const Body& body = scene_.bodies[index];
-    BodyNode* node = body.hinge ? add_link(body) : add_root(index, body);
+    BodyNode* node = body.joint ? add_link(body) : add_root(index, body);
     for (const Part& part : body.parts) {
       dart::dynamics::ShapePtr shape;
       if (part.kind == Part::Kind::kSphere)
@@ -223,29 +224,40 @@ class DartEngine final : public Engine {
   }
 
   BodyNode* add_link(const Body& body) {
-    const Hinge& hinge = *body.hinge;
-    const auto parent = static_cast<std::size_t>(hinge.parent);
+    const Joint& of = *body.joint;
+    const auto parent = static_cast<std::size_t>(of.parent);
     const Body& above = scene_.bodies[parent];
-    const Isometry3d anchor = frame(hinge.anchor, Eigen::Quaterniond::Identity());
+    const Isometry3d anchor = frame(of.anchor, Eigen::Quaterniond::Identity());
     const dart::dynamics::SkeletonPtr skeleton = nodes_[parent]->getSkeleton();
     // Out of the world while it changes, so that the world counts its new coordinates.
     world_->removeSkeleton(skeleton);
-    dart::dynamics::RevoluteJoint::Properties names;
-    names.mName = fmt::format("j{}", nodes_.size());
-    auto [joint, node] = skeleton->createJointAndBodyNodePair<dart::dynamics::RevoluteJoint>(
-        nodes_[parent], names, BodyNode::AspectProperties(fmt::format("b{}", nodes_.size())));
+    dart::dynamics::GenericJoint<dart::math::R1Space>* joint = nullptr;
+    BodyNode* node = nullptr;
+    const auto join = [&]<class Kind>(Kind*) {
+      typename Kind::Properties names;
+      names.mName = fmt::format("j{}", nodes_.size());
+      const auto [made, created] = skeleton->createJointAndBodyNodePair<Kind>(
+          nodes_[parent], names, BodyNode::AspectProperties(fmt::format("b{}", nodes_.size())));
+      made->setAxis(of.axis);
+      joint = made;
+      node = created;
+    };
+    if (of.slides) {
+      join(static_cast<dart::dynamics::PrismaticJoint*>(nullptr));
+    } else {
+      join(static_cast<dart::dynamics::RevoluteJoint*>(nullptr));
+    }
     joint->setTransformFromParentBodyNode(frame(above.position, above.orientation).inverse() * anchor);
     joint->setTransformFromChildBodyNode(frame(body.position, body.orientation).inverse() * anchor);
-    joint->setAxis(hinge.axis);
-    joint->setPositionLowerLimit(0, hinge.lower);
-    joint->setPositionUpperLimit(0, hinge.upper);
+    joint->setPositionLowerLimit(0, of.lower);
+    joint->setPositionUpperLimit(0, of.upper);
     joint->setLimitEnforcement(true);
-    if (hinge.speed != 0) {
+    if (of.speed != 0) {
       joint->setActuatorType(dart::dynamics::Joint::SERVO);
-      joint->setForceLowerLimit(0, -hinge.effort);
-      joint->setForceUpperLimit(0, hinge.effort);
+      joint->setForceLowerLimit(0, -of.effort);
+      joint->setForceUpperLimit(0, of.effort);
     } else {
-      joint->setCoulombFriction(0, hinge.effort);
+      joint->setCoulombFriction(0, of.effort);
     }
     world_->addSkeleton(skeleton);
     return node;
@@ -273,13 +285,13 @@ class DartEngine final : public Engine {
       const Body& body = scene_.bodies[i];
       const Vector3d push = force_on(body, index) + Vector3d(0, 0, kGravity * body.mass);
       if (body.mass > 0 && !push.isZero(0)) nodes_[i]->addExtForce(push, Vector3d::Zero(), false, true);
-      if (!body.hinge) continue;
+      if (!body.joint) continue;
       dart::dynamics::Joint& joint = *nodes_[i]->getParentJoint();
-      if (body.hinge->speed != 0) {
-        joint.setCommand(0, body.hinge->speed);
+      if (body.joint->speed != 0) {
+        joint.setCommand(0, body.joint->speed);
         continue;
       }
-      joint.setForce(0, controller_torque(*body.hinge, joint.getPosition(0), joint.getVelocity(0),
+      joint.setForce(0, controller_torque(*body.joint, joint.getPosition(0), joint.getVelocity(0),
                                           static_cast<double>(index) * scene_.step));
     }
   }
@@ -435,7 +447,7 @@ class DartEngine final : public Engine {
   void look_at_joints(Snapshot& snapshot) {
     of_rows_.clear();
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (scene_.bodies[i].hinge) look_at_hinge(i, snapshot);
+      if (scene_.bodies[i].joint) look_at_joint(i, snapshot);
     }
     for (std::size_t k = 0; k < held_.size(); ++k) look_at_loop(held_[k], k, snapshot);
     const auto note = [&](const char* what, long& count) {
@@ -443,42 +455,42 @@ class DartEngine final : public Engine {
       count = 0;
     };
     note("motors at a limit, which DART leaves out", motors_left_out_);
-    note("dry friction of hinges at rest, which DART leaves out", friction_left_out_);
+    note("dry friction of joints at rest, which DART leaves out", friction_left_out_);
     note("rows of loops that nothing moves, left out", rows_left_out_);
   }
 
   /// Limits as DART has them: of joints that have reached them, or would in this step. A joint at a limit has no motor,
   /// and one at rest no dry friction: hard problems have both. [DART, JointConstraint.cpp]
-  void look_at_hinge(std::size_t body, Snapshot& snapshot) {
+  void look_at_joint(std::size_t body, Snapshot& snapshot) {
     constexpr double kNone = std::numeric_limits<double>::infinity();
-    const Hinge& hinge = *scene_.bodies[body].hinge;
+    const Joint& of = *scene_.bodies[body].joint;
     const dart::dynamics::Joint& joint = *nodes_[body]->getParentJoint();
     const int coordinate = first_.at(joint.getSkeleton().get()) + static_cast<int>(joint.getIndexInSkeleton(0));
     const double speed = velocity_(coordinate), h = scene_.step;
-    const double above_lower = joint.getPosition(0) - hinge.lower, above_upper = joint.getPosition(0) - hinge.upper;
-    RowState row{.coordinates = {coordinate}, .direction = Eigen::VectorXd::Ones(1), .is_angle = true};
+    const double above_lower = joint.getPosition(0) - of.lower, above_upper = joint.getPosition(0) - of.upper;
+    RowState row{.coordinates = {coordinate}, .direction = Eigen::VectorXd::Ones(1), .is_angle = !of.slides};
     const bool at_lower = above_lower < 0 || (above_upper <= 0 && speed < -above_lower / h);
     const bool at_upper = !at_lower && (above_upper > 0 || speed > -above_upper / h);
     if (at_lower || at_upper) {
       row.lower = at_upper ? -kNone : 0;
       row.upper = at_lower ? kNone : 0;
       row.offset = (at_lower ? std::max(above_lower, 0.0) : std::min(above_upper, 0.0)) / h;
-      row.name = fmt::format("hinge limit j{}", body);
+      row.name = fmt::format("{} limit j{}", of.kind(), body);
       keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_limit_or_motor(joint); }, snapshot);
     }
-    if (hinge.effort == 0) return;
-    row.upper = h * hinge.effort;
+    if (of.effort == 0) return;
+    row.upper = h * of.effort;
     row.lower = -row.upper;
-    row.offset = -hinge.speed;
-    if (hinge.speed == 0) {
-      row.name = fmt::format("hinge friction j{}", body);
+    row.offset = -of.speed;
+    if (of.speed == 0) {
+      row.name = fmt::format("{} friction j{}", of.kind(), body);
       if (speed == 0) ++friction_left_out_;
       if (speed == 0 && !scene_.soft.empty()) return;
       return keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_friction(joint); }, snapshot);
     }
-    row.name = fmt::format("hinge motor j{}", body);
+    row.name = fmt::format("{} motor j{}", of.kind(), body);
     if (!at_lower && !at_upper) {
-      if (!scene_.soft.empty()) row.offset = -std::clamp(hinge.speed, -above_lower / h, -above_upper / h);
+      if (!scene_.soft.empty()) row.offset = -std::clamp(of.speed, -above_lower / h, -above_upper / h);
       return keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_limit_or_motor(joint); }, snapshot);
     }
     ++motors_left_out_;

@@ -542,7 +542,7 @@ class MujocoEngine final : public Engine {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
       ids_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, fmt::format("b{}", i).c_str()));
-      if (body.mass == 0 || body.hinge) continue;
+      if (body.mass == 0 || body.joint) continue;
       moving_of_[static_cast<std::size_t>(ids_.back())] = static_cast<int>(moving_.size());
       moving_.push_back(
           {.id = ids_.back(), .dof = model_->body_dofadr[ids_.back()], .mass = body.mass, .moments = body.inertia});
@@ -576,10 +576,10 @@ class MujocoEngine final : public Engine {
       // MuJoCo applies gravity, which force_on() has, by itself.
       Eigen::Map<Vector3d>(data_->xfrc_applied + 6 * ids_[i]) =
           force_on(body, index) + Vector3d(0, 0, kGravity * body.mass);
-      if (!body.hinge) continue;
+      if (!body.joint) continue;
       const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, fmt::format("j{}", i).c_str());
       const int dof = model_->jnt_dofadr[joint];
-      data_->qfrc_applied[dof] = controller_torque(*body.hinge, data_->qpos[model_->jnt_qposadr[joint]],
+      data_->qfrc_applied[dof] = controller_torque(*body.joint, data_->qpos[model_->jnt_qposadr[joint]],
                                                    data_->qvel[dof], static_cast<double>(index) * step_length());
     }
   }

@@ -26,7 +26,7 @@ class Writer {
                         R"(<default><geom condim="3" friction="{} 0.005 0.0001"/></default><worldbody>)",
                         scene_.step, scene_.mu);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      if (!scene_.bodies[i].hinge) add(i, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity());
+      if (!scene_.bodies[i].joint) add(i, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity());
     }
     text_ += "</worldbody>";
     if (!scene_.loops.empty()) add_loops();
@@ -44,20 +44,20 @@ class Writer {
                          numbers(frame.conjugate() * body.orientation));
     if (body.mass > 0) {
       text_ += fmt::format(R"(<inertial pos="0 0 0" mass="{}" diaginertia={}/>)", body.mass, numbers(body.inertia));
-      if (!body.hinge) text_ += "<freejoint/>";
+      if (!body.joint) text_ += "<freejoint/>";
     }
-    if (body.hinge) {
-      const Hinge& hinge = *body.hinge;
-      text_ += fmt::format(R"(<joint name="j{}" type="hinge" pos={} axis={} limited="true" range="{} {}")", index,
-                           numbers(to_body * (hinge.anchor - body.position)), numbers(to_body * hinge.axis),
-                           hinge.lower, hinge.upper);
-      if (hinge.effort > 0) text_ += fmt::format(R"( frictionloss="{}")", hinge.effort);
+    if (body.joint) {
+      const Joint& joint = *body.joint;
+      text_ += fmt::format(R"(<joint name="j{}" type="{}" pos={} axis={} limited="true" range="{} {}")", index, joint.kind(),
+                           numbers(to_body * (joint.anchor - body.position)), numbers(to_body * joint.axis),
+                           joint.lower, joint.upper);
+      if (joint.effort > 0) text_ += fmt::format(R"( frictionloss="{}")", joint.effort);
       text_ += "/>";
     }
-    for (const Part& part : body.parts) add(part, body.hinge.has_value());
+    for (const Part& part : body.parts) add(part, body.joint.has_value());
     for (std::size_t i = index + 1; i < scene_.bodies.size(); ++i) {
       const Body& child = scene_.bodies[i];
-      if (child.hinge && child.hinge->parent == static_cast<int>(index)) add(i, body.position, body.orientation);
+      if (child.joint && child.joint->parent == static_cast<int>(index)) add(i, body.position, body.orientation);
     }
     text_ += "</body>";
   }

@@ -60,7 +60,7 @@ class OdeEngine final : public Engine {
     if (scene_.sweeps > 0) dWorldSetQuickStepNumIterations(world_, scene_.sweeps);
     for (const Body& body : scene_.bodies) add(body);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      if (scene_.bodies[i].hinge) add_hinge(i);
+      if (scene_.bodies[i].joint) add_joint(i);
     }
     for (const Loop& loop : scene_.loops) add_loop(loop);
     for (Held& each : held_) dJointSetFeedback(each.joint, &each.feedback);
@@ -191,24 +191,37 @@ class OdeEngine final : public Engine {
     held_.push_back({joint, first, second});
   }
 
-  /// The motor or dry friction is a joint of its own: in one of ODE's hinges it would be a mere force at the limits.
-  void add_hinge(std::size_t index) {
-    const Hinge& hinge = *scene_.bodies[index].hinge;
-    const auto parent = static_cast<std::size_t>(hinge.parent);
-    const dJointID joint = dJointCreateHinge(world_, nullptr);
-    hold(joint, index, parent);
-    dJointSetHingeAnchor(joint, hinge.anchor.x(), hinge.anchor.y(), hinge.anchor.z());
-    dJointSetHingeAxis(joint, hinge.axis.x(), hinge.axis.y(), hinge.axis.z());
-    dJointSetHingeParam(joint, dParamLoStop, hinge.lower);
-    dJointSetHingeParam(joint, dParamHiStop, hinge.upper);
-    if (hinge.effort == 0) return;
-    const dJointID motor = dJointCreateAMotor(world_, nullptr);
-    hold(motor, index, parent);
-    dJointSetAMotorNumAxes(motor, 1);
+  /// The motor or dry friction is a joint of its own: in one with limits it would be a mere force at the limits.
+  void add_joint(std::size_t index) {
+    const Joint& of = *scene_.bodies[index].joint;
+    const auto parent = static_cast<std::size_t>(of.parent);
     constexpr int kWithFirstBody = 1;
-    dJointSetAMotorAxis(motor, 0, kWithFirstBody, hinge.axis.x(), hinge.axis.y(), hinge.axis.z());
-    dJointSetAMotorParam(motor, dParamFMax, hinge.effort);
-    dJointSetAMotorParam(motor, dParamVel, hinge.speed);
+    const dJointID joint = of.slides ? dJointCreateSlider(world_, nullptr) : dJointCreateHinge(world_, nullptr);
+    hold(joint, index, parent);
+    if (of.slides) {
+      dJointSetSliderAxis(joint, of.axis.x(), of.axis.y(), of.axis.z());
+      dJointSetSliderParam(joint, dParamLoStop, of.lower);
+      dJointSetSliderParam(joint, dParamHiStop, of.upper);
+    } else {
+      dJointSetHingeAnchor(joint, of.anchor.x(), of.anchor.y(), of.anchor.z());
+      dJointSetHingeAxis(joint, of.axis.x(), of.axis.y(), of.axis.z());
+      dJointSetHingeParam(joint, dParamLoStop, of.lower);
+      dJointSetHingeParam(joint, dParamHiStop, of.upper);
+    }
+    if (of.effort == 0) return;
+    const dJointID motor = of.slides ? dJointCreateLMotor(world_, nullptr) : dJointCreateAMotor(world_, nullptr);
+    hold(motor, index, parent);
+    if (of.slides) {
+      dJointSetLMotorNumAxes(motor, 1);
+      dJointSetLMotorAxis(motor, 0, kWithFirstBody, of.axis.x(), of.axis.y(), of.axis.z());
+      dJointSetLMotorParam(motor, dParamFMax, of.effort);
+      dJointSetLMotorParam(motor, dParamVel, of.speed);
+    } else {
+      dJointSetAMotorNumAxes(motor, 1);
+      dJointSetAMotorAxis(motor, 0, kWithFirstBody, of.axis.x(), of.axis.y(), of.axis.z());
+      dJointSetAMotorParam(motor, dParamFMax, of.effort);
+      dJointSetAMotorParam(motor, dParamVel, of.speed);
+    }
   }
 
   void add_loop(const Loop& loop) {
@@ -224,7 +237,9 @@ class OdeEngine final : public Engine {
       const int type = dJointGetType(each.joint);
       if (type == dJointTypeHinge) {
         look_at_hinge(each, snapshot);
-      } else if (type == dJointTypeAMotor) {
+      } else if (type == dJointTypeSlider) {
+        look_at_slide(each, snapshot);
+      } else if (type != dJointTypeBall) {
         look_at_motor(each, snapshot);
       } else {
         dVector3 first, second;
@@ -274,13 +289,16 @@ class OdeEngine final : public Engine {
     return row_of(held, Eigen::Vector3d::Zero(), axis, axis, name);
   }
 
+  Eigen::Quaterniond axes_of(std::size_t body) const {
+    return ids_[body] == nullptr ? scene_.bodies[body].orientation : pose(ids_[body]).rotation;
+  }
+
   Eigen::Vector3d axis_in(std::size_t body, const Eigen::Vector3d& axis) const {
-    const Eigen::Quaterniond turned = ids_[body] == nullptr ? scene_.bodies[body].orientation : pose(ids_[body]).rotation;
-    return turned * (scene_.bodies[body].orientation.conjugate() * axis);
+    return axes_of(body) * (scene_.bodies[body].orientation.conjugate() * axis);
   }
 
   void look_at_hinge(const Held& held, Snapshot& snapshot) const {
-    const Hinge& hinge = *scene_.bodies[held.first_body].hinge;
+    const Joint& hinge = *scene_.bodies[held.first_body].joint;
     dVector3 first, second;
     dJointGetHingeAnchor(held.joint, first);
     dJointGetHingeAnchor2(held.joint, second);
@@ -293,22 +311,62 @@ class OdeEngine final : public Engine {
     add_row(row_about(held, across, numbered(name, 4)), rate * error.dot(across), snapshot);
     const Eigen::Vector3d other = axis.cross(across);
     add_row(row_about(held, other, numbered(name, 5)), rate * error.dot(other), snapshot);
-    const double angle = dJointGetHingeAngle(held.joint);
-    const bool at_lower = angle <= hinge.lower;
-    if (!at_lower && angle < hinge.upper) return;
-    RowState limit = row_about(held, axis, fmt::format("hinge limit j{}", held.first_body));
+    add_limit(row_about(held, axis, ""), dJointGetHingeAngle(held.joint), held, snapshot);
+  }
+
+  /// Both bodies turn alike, and move alike across the axis, at the place halfway between their centres; a body on the
+  /// world, at its own. [ODE, joints/slider.cpp]
+  void look_at_slide(const Held& held, Snapshot& snapshot) const {
+    const Joint& of = *scene_.bodies[held.first_body].joint;
+    const std::string name = fmt::format("slide equality j{}", held.first_body);
+    const double rate = dWorldGetERP(world_) / scene_.step;
+    const auto turn_of = [&](std::size_t body) { return axes_of(body) * scene_.bodies[body].orientation.conjugate(); };
+    Eigen::Quaterniond error = turn_of(held.second_body) * turn_of(held.first_body).conjugate();
+    if (error.w() < 0) error.coeffs() *= -1;
+    for (int k = 0; k < 3; ++k) {
+      add_row(row_about(held, Eigen::Vector3d::Unit(k), numbered(name, k + 1)), 2 * rate * error.vec()(k), snapshot);
+    }
+    const Eigen::Vector3d axis = axis_in(held.first_body, of.axis), across = tangent_to(axis);
+    const Body& second = scene_.bodies[held.second_body];
+    const Eigen::Vector3d wanted =
+        (ids_[held.second_body] == nullptr ? second.position : centre(held.second_body)) +
+        axis_in(held.second_body, scene_.bodies[held.first_body].position - second.position);
+    int count = 3;
+    for (const Eigen::Vector3d& direction : {across, Eigen::Vector3d(axis.cross(across))}) {
+      add_row(row_along(held, direction, numbered(name, ++count)),
+              rate * direction.dot(wanted - centre(held.first_body)), snapshot);
+    }
+    add_limit(row_along(held, axis, ""), dJointGetSliderPosition(held.joint), held, snapshot);
+  }
+
+  /// Of the velocity of the first body along a direction, as the second sees it.
+  RowState row_along(const Held& held, const Eigen::Vector3d& direction, const std::string& name) const {
+    if (ids_[held.second_body] == nullptr) {
+      return row_of(held, direction, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), name);
+    }
+    const Eigen::Vector3d half = (centre(held.second_body) - centre(held.first_body)) / 2;
+    return row_of(held, direction, half.cross(direction), -half.cross(direction), name);
+  }
+
+  void add_limit(RowState limit, double position, const Held& held, Snapshot& snapshot) const {
+    const Joint& of = *scene_.bodies[held.first_body].joint;
+    const bool at_lower = position <= of.lower;
+    if (!at_lower && position < of.upper) return;
+    limit.name = fmt::format("{} limit j{}", of.kind(), held.first_body);
     (at_lower ? limit.lower : limit.upper) = 0;
-    add_row(std::move(limit), -rate * (angle - (at_lower ? hinge.lower : hinge.upper)), snapshot);
+    const double beyond = position - (at_lower ? of.lower : of.upper);
+    add_row(std::move(limit), -dWorldGetERP(world_) / scene_.step * beyond, snapshot);
   }
 
   void look_at_motor(const Held& held, Snapshot& snapshot) const {
-    const Hinge& hinge = *scene_.bodies[held.first_body].hinge;
-    RowState row = row_about(held, axis_in(held.first_body, hinge.axis),
-                             fmt::format("hinge {} j{}", hinge.speed == 0 ? "friction" : "motor", held.first_body));
-    row.upper = scene_.step * hinge.effort;
+    const Joint& of = *scene_.bodies[held.first_body].joint;
+    const std::string name = fmt::format("{} {} j{}", of.kind(), of.speed == 0 ? "friction" : "motor", held.first_body);
+    const Eigen::Vector3d axis = axis_in(held.first_body, of.axis);
+    RowState row = of.slides ? row_along(held, axis, name) : row_about(held, axis, name);
+    row.upper = scene_.step * of.effort;
     row.lower = -row.upper;
-    row.offset = -hinge.speed;
-    add_row(std::move(row), hinge.speed, snapshot);
+    row.offset = -of.speed;
+    add_row(std::move(row), of.speed, snapshot);
   }
 
   static Pose pose(dBodyID id) {
@@ -321,7 +379,7 @@ class OdeEngine final : public Engine {
     std::vector<Eigen::Vector3d> torques(ids_.size(), Eigen::Vector3d::Zero());
     for (const Held& each : held_) {
       if (dJointGetType(each.joint) != dJointTypeHinge) continue;
-      const Hinge& hinge = *scene_.bodies[each.first_body].hinge;
+      const Joint& hinge = *scene_.bodies[each.first_body].joint;
       const double torque = controller_torque(hinge, dJointGetHingeAngle(each.joint), dJointGetHingeAngleRate(each.joint),
                                               static_cast<double>(index) * scene_.step);
       const Eigen::Vector3d along = torque * axis_in(each.first_body, hinge.axis);
