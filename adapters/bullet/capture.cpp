@@ -158,13 +158,13 @@ class BulletEngine final : public Engine {
     world_.addConstraint(held.joint.get(), true);
   }
 
-  /// Hinges without offsets of their frames, Bullet's default, by which the turning of a body is left out at a limit. And
-  /// without the bounce that their limits have by default.
+  /// Hinges without offsets of their frames, Bullet's default, by which the turning of a body is left out at a limit.
+  /// And without the bounce that their limits have by default.
   void add_joint(std::size_t index) {
     const Joint& of = *scene_.bodies[index].joint;
     btRigidBody& child = *bodies_[index];
     btRigidBody& parent = *bodies_[static_cast<std::size_t>(of.parent)];
-    const Eigen::Vector3d along = of.slides ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();  // in the joint's frame
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(of.slides ? 0 : 2);  // in the joint's frame
     const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(along, of.axis);
     const btTransform at(btQuaternion(q.x(), q.y(), q.z(), q.w()), vector(of.anchor));
     const btTransform in_child = child.getWorldTransform().inverse() * at;
@@ -224,7 +224,8 @@ class BulletEngine final : public Engine {
     }
     if (changed > 0) {
       snapshot_->notes.push_back(
-          fmt::format("motors and dry friction at a limit or before it, which Bullet leaves out or slows: {}", changed));
+          fmt::format("motors and dry friction at a limit or before it, which Bullet leaves out or slows: {}",
+                      changed));
     }
   }
 
@@ -266,20 +267,21 @@ class BulletEngine final : public Engine {
       const Row& row = rows[static_cast<std::size_t>(i)];
       const bool equality = row.lower <= -SIMD_INFINITY && row.upper >= SIMD_INFINITY;
       const bool motor = row.lower > -SIMD_INFINITY && row.upper < SIMD_INFINITY;
-      const std::string name =
-          motor ? motor_name(held)
-                : equality ? numbered(fmt::format("{} equality {}", held.of == nullptr ? "connect" : held.of->kind(), held.name),
-                                      i + 1)
-                           : fmt::format("{} limit {}", held.of->kind(), held.name);
+      const char* const kind = held.of == nullptr ? "connect" : held.of->kind();
+      const std::string name = motor      ? motor_name(held)
+                               : equality ? numbered(fmt::format("{} equality {}", kind, held.name), i + 1)
+                                          : fmt::format("{} limit {}", kind, held.name);
       RowState state = row_between(a.getUserIndex2(), b.getUserIndex2(), vector(row.linear_a), vector(row.angular_a),
                                    vector(-row.angular_b), name);
       state.lower = row.lower <= -SIMD_INFINITY ? -kNone : row.lower;
       state.upper = row.upper >= SIMD_INFINITY ? kNone : row.upper;
       if (motor || !scene_.soft.empty()) state.offset = -row.error;
       if (!scene_.soft.empty()) {
-        state.compliance = row.cfm * (row.linear_a.length2() * a.getInvMass() + row.linear_b.length2() * b.getInvMass() +
-                                      row.angular_a.dot(a.getInvInertiaTensorWorld() * row.angular_a) +
-                                      row.angular_b.dot(b.getInvInertiaTensorWorld() * row.angular_b));
+        const auto mobility = [](const btRigidBody& body, const btVector3& linear, const btVector3& angular) {
+          return linear.length2() * body.getInvMass() + angular.dot(body.getInvInertiaTensorWorld() * angular);
+        };
+        state.compliance =
+            row.cfm * (mobility(a, row.linear_a, row.angular_a) + mobility(b, row.linear_b, row.angular_b));
       }
       snapshot_->rows.push_back(std::move(state));
     }

@@ -163,7 +163,8 @@ void set_impulses(const Eigen::Vector3d& force, const Eigen::Vector3d& torque, s
 
 void make_blocks(Snapshot& snapshot) {
   for (ContactState& contact : snapshot.contacts) {
-    Rows rows{.coordinates = coordinates_of({contact.body_a, contact.body_b}), .normal = {}, .tangent = {}, .second_tangent = {}};
+    Rows rows;
+    rows.coordinates = coordinates_of({contact.body_a, contact.body_b});
     const auto along = [&](const Eigen::Vector3d& direction) {
       Eigen::VectorXd row(static_cast<Eigen::Index>(rows.coordinates.size()));
       Eigen::Index at = 0;

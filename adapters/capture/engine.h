@@ -187,8 +187,8 @@ void set_square_friction(const Eigen::Vector3d& first, ContactState& contact);
 /// Of a free body: its linear velocity before its angular velocity.
 BlockState block_of(const BodyState& state);
 
-/// A bounded row of the velocity linear'v_a + angular_a'w_a - linear'v_b - angular_b'w_b of two bodies in a snapshot, of
-/// which a moves. Without bounds; it is about an angle where `linear` is zero.
+/// A bounded row of the velocity linear'v_a + angular_a'w_a - linear'v_b - angular_b'w_b of two bodies in a snapshot,
+/// of which a moves. Without bounds; it is about an angle where `linear` is zero.
 RowState row_between(int a, int b, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular_a,
                      const Eigen::Vector3d& angular_b, std::string name);
 

@@ -39,8 +39,8 @@ struct Joint {
   double damping = 0;                                ///< of the controller [N m s / rad]
   double max_torque = 0;                             ///< of the controller [N m]
   Target target;
-  /// Of a motor that is part of the engine's solve: at most this torque keeps the speed after the step at `speed` [N m].
-  /// Dry friction where that speed is 0.
+  /// Of a motor that is part of the engine's solve: at most this torque keeps the speed after the step at `speed`
+  /// [N m]. Dry friction where that speed is 0.
   double effort = 0;
   double speed = 0;  ///< [rad/s]
   bool slides = false;

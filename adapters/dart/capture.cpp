@@ -469,6 +469,9 @@ class DartEngine final : public Engine {
     const double speed = velocity_(coordinate), h = scene_.step;
     const double above_lower = joint.getPosition(0) - of.lower, above_upper = joint.getPosition(0) - of.upper;
     RowState row{.coordinates = {coordinate}, .direction = Eigen::VectorXd::Ones(1), .is_angle = !of.slides};
+    const auto limit_or_motor = [&joint](const KeepingSolver& solver) {
+      return solver.impulse_of_limit_or_motor(joint);
+    };
     const bool at_lower = above_lower < 0 || (above_upper <= 0 && speed < -above_lower / h);
     const bool at_upper = !at_lower && (above_upper > 0 || speed > -above_upper / h);
     if (at_lower || at_upper) {
@@ -476,7 +479,7 @@ class DartEngine final : public Engine {
       row.upper = at_lower ? kNone : 0;
       row.offset = (at_lower ? std::max(above_lower, 0.0) : std::min(above_upper, 0.0)) / h;
       row.name = fmt::format("{} limit j{}", of.kind(), body);
-      keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_limit_or_motor(joint); }, snapshot);
+      keep(row, limit_or_motor, snapshot);
     }
     if (of.effort == 0) return;
     row.upper = h * of.effort;
@@ -491,7 +494,7 @@ class DartEngine final : public Engine {
     row.name = fmt::format("{} motor j{}", of.kind(), body);
     if (!at_lower && !at_upper) {
       if (!scene_.soft.empty()) row.offset = -std::clamp(of.speed, -above_lower / h, -above_upper / h);
-      return keep(row, [&joint](const KeepingSolver& solver) { return solver.impulse_of_limit_or_motor(joint); }, snapshot);
+      return keep(row, limit_or_motor, snapshot);
     }
     ++motors_left_out_;
     if (scene_.soft.empty()) keep(row, [](const KeepingSolver&) { return 0.0; }, snapshot);

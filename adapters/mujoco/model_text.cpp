@@ -48,9 +48,9 @@ class Writer {
     }
     if (body.joint) {
       const Joint& joint = *body.joint;
-      text_ += fmt::format(R"(<joint name="j{}" type="{}" pos={} axis={} limited="true" range="{} {}")", index, joint.kind(),
-                           numbers(to_body * (joint.anchor - body.position)), numbers(to_body * joint.axis),
-                           joint.lower, joint.upper);
+      text_ += fmt::format(R"(<joint name="j{}" type="{}" pos={} axis={} limited="true" range="{} {}")", index,
+                           joint.kind(), numbers(to_body * (joint.anchor - body.position)),
+                           numbers(to_body * joint.axis), joint.lower, joint.upper);
       if (joint.effort > 0) text_ += fmt::format(R"( frictionloss="{}")", joint.effort);
       text_ += "/>";
     }

@@ -257,8 +257,8 @@ class OdeEngine final : public Engine {
     return Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(ids_[body]));
   }
 
-  /// A row of ODE's, J v+ + cfm f / h = c with f the impulse. Hard equality constraints keep the error of positions that
-  /// they have, as contacts keep their penetration. [ODE, joints/joint.cpp, quickstep.cpp]
+  /// A row of ODE's, J v+ + cfm f / h = c with f the impulse. Hard equality constraints keep the error of positions
+  /// that they have, as contacts keep their penetration. [ODE, joints/joint.cpp, quickstep.cpp]
   void add_row(RowState row, double c, Snapshot& snapshot) const {
     if (!scene_.soft.empty()) {
       row.offset = -c;
@@ -380,8 +380,8 @@ class OdeEngine final : public Engine {
     for (const Held& each : held_) {
       if (dJointGetType(each.joint) != dJointTypeHinge) continue;
       const Joint& hinge = *scene_.bodies[each.first_body].joint;
-      const double torque = controller_torque(hinge, dJointGetHingeAngle(each.joint), dJointGetHingeAngleRate(each.joint),
-                                              static_cast<double>(index) * scene_.step);
+      const double angle = dJointGetHingeAngle(each.joint), rate = dJointGetHingeAngleRate(each.joint);
+      const double torque = controller_torque(hinge, angle, rate, static_cast<double>(index) * scene_.step);
       const Eigen::Vector3d along = torque * axis_in(each.first_body, hinge.axis);
       torques[each.first_body] += along;
       torques[each.second_body] -= along;

@@ -65,13 +65,14 @@ double worst_residual(const SceneStep& step) {
   return worst;
 }
 
-/// What `--soft` writes are the engine's own rows: with many sweeps it solves them. A correction of positions or a bound
-/// with the wrong sign leaves a residual of 1e-4 or more.
+/// What `--soft` writes are the engine's own rows: with many sweeps it solves them. A correction of positions with the
+/// wrong sign leaves a residual of 1e-4 or more.
 TEST_P(CaptureRows, ManySweepsSolveTheEnginesOwnRows) {
   if (std::string(GetParam()) == "mujoco") GTEST_SKIP() << "solves no sweeps";
   for (const std::string scene : {"door", "four-bar", "motor", "quadruped-trotting", "jaws"}) {
     const bool grips = scene == "jaws";  // what the jaws hold takes more sweeps
-    const ScenesFile file = captured(scene, GetParam(), std::string("--soft exact --every 20") + (grips ? " --steps 61" : ""));
+    const std::string steps = grips ? " --steps 61" : "";
+    const ScenesFile file = captured(scene, GetParam(), "--soft exact --every 20" + steps);
     ASSERT_GE(file.count(), grips ? 4U : 18U) << scene;
     for (std::size_t i = 0; i < file.count(); ++i) {
       const SceneStep step = file.read(i);
