@@ -182,7 +182,7 @@ bool RowStates::reduce() {
     group.first = next;
     next += std::ssize(group.free);
   }
-  reduce_contacts();
+  if (!reduce_contacts()) return false;
   return contacts_.v.allFinite() && contacts_.b.allFinite() && contacts_.offset_t.allFinite();
 }
 
@@ -287,7 +287,7 @@ Jacobian RowStates::reduced(const Jacobian& J, Index coordinates) const {
 }
 
 /// The velocity of a group is Z y + (0, constant), Z = (1, T) over its free coordinates and its pivots.
-void RowStates::reduce_contacts() {
+bool RowStates::reduce_contacts() {
   const ContactProblem& problem = *problem_;
   Index count = 0;
   for (const Group& group : groups_) count += std::ssize(group.free);
@@ -329,15 +329,18 @@ void RowStates::reduce_contacts() {
   } else {
     contacts_.inertia = std::move(inertia);
   }
-  if (is_moved) add_offsets(constant);
+  return !is_moved || add_offsets(constant);
 }
 
 /// Rows between bounds that ask for a velocity move the contacts: that of the pivots becomes their offset.
-void RowStates::add_offsets(const Vector& velocity) {
+/// @returns false where one becomes negative: there may be no solution, which takes the methods long to find out
+bool RowStates::add_offsets(const Vector& velocity) {
   const Index nc = problem_->nc();
   if (contacts_.b.size() == 0) contacts_.b = Vector::Zero(nc);
-  contacts_.b += transposed_times(problem_->N, velocity);
-  if (cols(problem_->D) == 0) return;
+  const Vector approach = transposed_times(problem_->N, velocity);
+  contacts_.b += approach;
+  if ((approach.array() < 0 && contacts_.b.array() < 0).any()) return false;
+  if (cols(problem_->D) == 0) return true;
   if (contacts_.offset_t.size() == 0) contacts_.offset_t = Vector::Zero(2 * nc);
   const Vector slip = transposed_times(problem_->D, velocity);
   Index direction = 0;
@@ -347,6 +350,7 @@ void RowStates::add_offsets(const Vector& velocity) {
     if (edges > 2) contacts_.offset_t(2 * c + 1) += slip(direction + edges / 4);
     direction += edges;
   }
+  return true;
 }
 
 Vector RowStates::velocity_after(const Vector& z_of_contacts) const {

@@ -27,8 +27,8 @@ class RowStates {
   /// The states to begin with. @param z  the last answer, or one of the same order; nullptr: from the velocity alone
   void guess(const Vector* z);
 
-  /// Eliminates the rows between bounds. @returns false where these contradict one another, or the inertia is singular
-  /// in double
+  /// Eliminates the rows between bounds. @returns false where these contradict one another, ask contacts for a velocity
+  /// that others may not allow (jaws that close on a body), or where the inertia is singular in double
   bool reduce();
   /// The problem of contacts that is left: its contacts are those of the problem, in their order.
   const ContactProblem& contacts() const { return contacts_; }
@@ -65,8 +65,8 @@ class RowStates {
   void group_coordinates();
   bool eliminate(Group& group);
   Jacobian reduced(const Jacobian& J, Index coordinates) const;
-  void reduce_contacts();
-  void add_offsets(const Vector& velocity);
+  bool reduce_contacts();
+  bool add_offsets(const Vector& velocity);
   void find_impulses();
   double bound(Index row) const;
   bool is_wrong(Index row, State& right) const;
