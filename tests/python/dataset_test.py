@@ -37,7 +37,7 @@ class Dataset(unittest.TestCase):
             self.assertIn(f'"even" ({even} of {len(rows)})', card)
             known = "".join(each[key] + "\n" for each in rows for key in list(each)[: list(each).index("verdict")])
             self.assertEqual(hashlib.sha256(known.encode()).hexdigest(),
-                             "976715692a63154e2f96ff15e2b7631c162e9dae11cbea699cabd89068e640c2")
+                             "eb48ec49728a95d65ebd9af4d298c74a0843ae3bbcab5814d58fafe02c2f893a")
 
 
 if __name__ == "__main__":
