@@ -67,7 +67,7 @@ struct BoundedRows {
   Index size() const { return bounds.lower.size(); }
   double offset(Index row) const { return b.size() > 0 ? b(row) : 0.0; }
   double yields(Index row) const { return compliance.size() > 0 ? compliance(row) : 0.0; }
-  /// Of what name and number say: "row 3 (hinge)".
+  /// "row 3 (hinge)"; "row 3" of a row without a name.
   std::string name_of(Index row) const;
 };
 

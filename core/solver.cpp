@@ -314,7 +314,7 @@ void Solver::return_to_given(Answer& answer) {
 }
 
 /// The answer to the problem with bounded rows. A claim of the contacts, or of the mixed LCP, is tested where it may
-/// not hold for the rows, which allocates.
+/// not hold for the rows, which allocates. It stands where it is false for these, too: it is then the solver's own.
 void Solver::return_to_rows(Answer& answer) {
   const ContactProblem& given = *with_rows_.contact();
   const Vector x = answer.z;
@@ -328,14 +328,20 @@ void Solver::return_to_rows(Answer& answer) {
     answer.claim = Claim::kNumericalFailure;
     if (contacts_of_rows_ == nullptr) answer.detail = "the mixed LCP, which is rounded, has no solution";
   }
-  if (answer.claim != Claim::kSolved) return;
+  const bool has_answer = answer.z.size() == with_rows_.size() && answer.z.allFinite();
+  if (answer.claim != Claim::kSolved || !has_answer) return;
   if (contacts_of_rows_) {
     const bool has_velocity = answer.velocity.size() == given.ngc();
     const Vector velocity = has_velocity ? Vector(answer.velocity) : post_impact_velocity(given, answer.z);
     if (!contacts_of_rows_->is_in_doubt(given, x, answer.z, velocity)) return;
   }
-  ContactResidual residual(given);
-  if (!residual.lcp || residual.rho(residual.at(answer.z)) <= kSolvedVelocityResidual) return;
+  if (velocity_residual(given, given.v, answer.z) <= kSolvedVelocityResidual) return;
+  if (contacts_of_rows_) {
+    const ContactProblem& contacts = contacts_of_rows_->contacts();
+    if (velocity_residual(contacts, contacts.v, x) > kSolvedVelocityResidual) return;
+  } else if (!(backward_error(with_rows_.lcp(), answer.z) <= kSolvedBackwardError)) {
+    return;
+  }
   answer.claim = Claim::kNumericalFailure;
   answer.detail = "solves the problem in other words, but not the bounded rows";
 }
@@ -424,9 +430,11 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.z.setZero();
   SolveRequest own = request;
   Vector start;
-  if (own.start != nullptr && contacts_of_rows_) start = contacts_of_rows_->start(*own.start);
-  if (own.start != nullptr && contacts_of_rows_) own.start = &start;
   if (reduction_ || (has_rows_ && !contacts_of_rows_)) own.start = nullptr;
+  if (own.start != nullptr && contacts_of_rows_) {
+    start = contacts_of_rows_->start(*own.start);
+    own.start = &start;
+  }
   on_solve(own, answer);
   if (is_equivalent_) return_to_given(answer);
   if (answer.claim != Claim::kUnsolvable) answer.farkas.resize(0);  // of a part, or of a method whose turn is over

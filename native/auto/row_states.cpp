@@ -22,11 +22,6 @@ constexpr double kRounding = 1e-12;
 /// Rows whose bound is reached by this share of their velocity begin between bounds: contacts may help to hold them.
 constexpr double kLikelyHeld = 0.5;
 
-template <class Visit>
-void for_each_block(const Inertia& inertia, const Visit& visit) {
-  for_each_matrix(inertia, visit);
-}
-
 Vector times(const Jacobian& J, const Vector& x) {
   return std::visit([&](const auto& matrix) { return Vector(matrix * x); }, J);
 }
@@ -56,7 +51,7 @@ void RowStates::load_blocks(const ContactProblem& problem) {
   problem_ = &problem;
   begins_.clear();
   block_of_.resize(static_cast<std::size_t>(problem.ngc()));
-  for_each_block(problem.inertia, [&](const Matrix& G, Index first) {
+  for_each_matrix(problem.inertia, [&](const Matrix& G, Index first) {
     std::fill_n(block_of_.begin() + first, G.rows(), static_cast<Index>(begins_.size()));
     begins_.push_back(first);
   });
@@ -74,7 +69,7 @@ void RowStates::load(const ContactProblem& problem) {
       if (list.empty() || list.back() != i) list.push_back(i);
     });
   }
-  for_each_block(problem.inertia, [&](const Matrix& G, Index first) {
+  for_each_matrix(problem.inertia, [&](const Matrix& G, Index first) {
     const auto block = static_cast<std::size_t>(block_of_[static_cast<std::size_t>(first)]);
     if (rows_of[block].empty()) return;
     Matrix R = Matrix::Zero(G.rows(), std::ssize(rows_of[block]));
@@ -160,7 +155,7 @@ bool RowStates::reduce() {
   const BoundedRows& rows = problem_->rows;
   group_coordinates();
   momentum_.setZero(problem_->ngc());
-  for_each_block(problem_->inertia, [&](const Matrix& G, Index first) {
+  for_each_matrix(problem_->inertia, [&](const Matrix& G, Index first) {
     momentum_.segment(first, G.rows()).noalias() = G * problem_->v.segment(first, G.rows());
   });
   for (Index i = 0; i < rows.size(); ++i) {
@@ -172,7 +167,7 @@ bool RowStates::reduce() {
     group.A = Matrix::Zero(size, size);
     group.momentum = momentum_(group.coordinates);
   }
-  for_each_block(problem_->inertia, [&](const Matrix& G, Index first) {
+  for_each_matrix(problem_->inertia, [&](const Matrix& G, Index first) {
     const auto at = static_cast<std::size_t>(first);
     groups_[static_cast<std::size_t>(group_of_[at])].A.block(place_in_[at], place_in_[at], G.rows(), G.cols()) = G;
   });
@@ -421,21 +416,21 @@ void RowStates::find_impulses() {
   }
 }
 
-/// @param right  becomes the state that the sign of the impulse, or of the velocity, asks for
-bool RowStates::is_wrong(Index row, State& right) const {
+/// @param state  the row's own; becomes the one that the sign of its impulse, or of its velocity, asks for
+bool RowStates::is_wrong(Index row, State& state) const {
   const BoundedRows& rows = problem_->rows;
   const double f = z_(z_.size() - rows.size() + row);
   const double lower = rows.bounds.lower(row), upper = rows.bounds.upper(row);
-  if (right == State::kBetween) {
+  if (state == State::kBetween) {
     const double rounding = kRounding * std::abs(f);
     if (f >= lower - rounding && f <= upper + rounding) return false;
-    right = f < lower ? State::kLower : State::kUpper;
+    state = f < lower ? State::kLower : State::kUpper;
     return true;
   }
   const double w = dot_column(rows.R, row, velocity_) + rows.offset(row) + rows.yields(row) * f;
   const double rounding = kRounding * (std::abs(rows.offset(row)) + std::abs(dot_column(rows.R, row, problem_->v)));
-  const bool holds = right == State::kLower ? w >= -rounding : w <= rounding;
-  right = State::kBetween;
+  const bool holds = state == State::kLower ? w >= -rounding : w <= rounding;
+  state = State::kBetween;
   return !holds;
 }
 
@@ -457,7 +452,7 @@ bool RowStates::holds() const {
   add_terms(problem.N, 0);
   add_terms(problem.D, problem.nc());
   add_terms(rows.R, z_.size() - rows.size());
-  for_each_block(problem.inertia, [&](const Matrix& G, Index first) {
+  for_each_matrix(problem.inertia, [&](const Matrix& G, Index first) {
     const Vector change = velocity_.segment(first, G.rows()) - problem.v.segment(first, G.rows());
     imbalance.segment(first, G.rows()).noalias() -= G * change;
     terms.segment(first, G.rows()).noalias() += G.cwiseAbs() * change.cwiseAbs();

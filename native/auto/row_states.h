@@ -69,7 +69,7 @@ class RowStates {
   bool add_offsets(const Vector& velocity);
   void find_impulses();
   double bound(Index row) const;
-  bool is_wrong(Index row, State& right) const;
+  bool is_wrong(Index row, State& state) const;
 
   const ContactProblem* problem_ = nullptr;
   std::vector<State> states_;

@@ -82,7 +82,7 @@ Problem frictional_particle() {
 /// Claims that a given z solves.
 class Claims final : public Solver {
  public:
-  explicit Claims(Vector z) : z_(std::move(z)) {}
+  explicit Claims(Vector z, const Capabilities& capabilities = {}) : capabilities_(capabilities), z_(std::move(z)) {}
   const Capabilities& capabilities() const override { return capabilities_; }
 
  protected:
@@ -214,6 +214,42 @@ TEST(SolverTest, NaNAndInfinityAreRefused) {
       EXPECT_EQ(answer.detail, "the data hold NaN or infinity");
     }
   }
+}
+
+/// One coordinate of inertia 1 that moves at -1 m/s, and a row along it with this lower bound and no upper one: f = 1.
+Problem stopped_by_a_row(double lower) {
+  ContactProblem problem;
+  problem.v = Vector{{-1.0}};
+  problem.N = problem.D = Matrix(1, 0);
+  problem.inertia = DenseInertia{Matrix::Identity(1, 1)};
+  problem.rows.R = Matrix::Identity(1, 1);
+  problem.rows.bounds = LcpBounds::nonnegative(1);
+  problem.rows.bounds.lower(0) = lower;
+  problem.rows.is_angle = {0};
+  return Problem("row", problem);
+}
+
+/// The contact in the place of a row with the lower bound -4 begins from -5 m/s, which is its scale; that of the row is
+/// 1 m/s.
+TEST(SolverTest, WhatSolvesTheContactsInThePlaceOfRowsAloneIsNotClaimed) {
+  const auto claim = [](double impulse_of_contact) {
+    Claims solver(Vector{{impulse_of_contact}}, {.needs = Needs::kFactored, .compliance = true});
+    solver.load(stopped_by_a_row(-4));
+    Answer answer;
+    solver.solve({}, answer);
+    return answer.claim;
+  };
+  EXPECT_EQ(claim(5), Claim::kSolved);
+  EXPECT_EQ(claim(5 + 4e-4), Claim::kNumericalFailure);
+  EXPECT_EQ(claim(5.01), Claim::kSolved) << "false by itself";
+}
+
+TEST(SolverTest, AFalseClaimOnTheMixedLcpOfRowsStaysTheSolversOwn) {
+  Claims solver(Vector{{0.5}}, {.boxed = true});
+  solver.load(stopped_by_a_row(0));
+  Answer answer;
+  solver.solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
 }
 
 TEST(SolverTest, UpdateReplacesTheVelocityOnly) {
