@@ -15,6 +15,7 @@
 #include "core/timed_solve.h"
 #include "study/certificates/certify_store.h"
 #include "tests/certify/checked_proofs.h"
+#include "tests/support/bounded_rows.h"
 #include "tests/support/evaluation_cases.h"
 
 namespace lcpbench::certify_rows_test {
@@ -22,36 +23,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-struct Row {
-  std::vector<double> direction;
-  double lower = -kNone;
-  double upper = kNone;
-  double b = 0;
-  double compliance = 0;
-  int friction_of = -1;
-  double mu = 0;
-};
-
-ContactProblem with_rows(ContactProblem contact, const std::vector<Row>& rows) {
-  const auto count = static_cast<Index>(rows.size());
-  Matrix R(contact.ngc(), count);
-  BoundedRows& to = contact.rows;
-  to.bounds = LcpBounds::nonnegative(count);
-  to.b = to.compliance = Vector::Zero(count);
-  for (Index i = 0; i < count; ++i) {
-    const Row& row = rows[static_cast<std::size_t>(i)];
-    for (Index k = 0; k < contact.ngc(); ++k) R(k, i) = row.direction[static_cast<std::size_t>(k)];
-    to.bounds.lower(i) = row.lower;
-    to.bounds.upper(i) = row.upper;
-    to.bounds.friction_of[static_cast<std::size_t>(i)] = row.friction_of;
-    to.bounds.mu(i) = row.mu;
-    to.b(i) = row.b;
-    to.compliance(i) = row.compliance;
-  }
-  to.R = R;
-  to.is_angle.assign(rows.size(), 0);
-  return contact;
-}
+using testing::Row, testing::with_rows;
 
 /// Without contacts. @param masses  of the coordinates
 Problem rows_alone(const std::vector<double>& v, const std::vector<double>& masses, const std::vector<Row>& rows) {

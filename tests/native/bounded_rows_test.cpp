@@ -12,6 +12,7 @@
 
 #include "core/answer/farkas.h"
 #include "core/answer/lcp_error.h"
+#include "tests/support/bounded_rows.h"
 #include "tests/support/solving.h"
 
 namespace lcpbench::bounded_rows_test {
@@ -27,16 +28,7 @@ constexpr double kFound = 1e-8;
 
 using Numbers = std::vector<double>;
 
-struct Row {
-  Numbers direction;
-  double lower = -kNone;
-  double upper = kNone;
-  double b = 0;
-  double compliance = 0;
-  int friction_of = -1;
-  double mu = 0;
-  bool is_angle = false;
-};
+using testing::Row;
 
 Row equality(Numbers direction, double b = 0) { return {.direction = std::move(direction), .b = b}; }
 /// R'v+ >= speed.
@@ -380,10 +372,10 @@ Matrix own_inertia(const Case& given) {
 /// In dense matrices, or with blocks and sparse columns. @param scene  in_scene(given), or given itself
 ContactProblem contact_problem(const Case& given, const Case& scene) {
   const auto ngc = static_cast<Index>(scene.v.size());
-  const auto nc = static_cast<Index>(scene.contacts.size()), m = static_cast<Index>(scene.rows.size());
+  const auto nc = static_cast<Index>(scene.contacts.size());
   ContactProblem problem;
   problem.v = vector_of(scene.v);
-  Matrix N(ngc, nc), R(ngc, m);
+  Matrix N(ngc, nc);
   std::vector<Vector> directions;
   problem.mu = problem.b = problem.compliance_n = problem.compliance_t = Vector::Zero(nc);
   problem.offset_t = Vector::Zero(2 * nc);
@@ -407,33 +399,16 @@ ContactProblem contact_problem(const Case& given, const Case& scene) {
   for (Vector* numbers : {&problem.b, &problem.compliance_n, &problem.compliance_t, &problem.offset_t}) {
     if (numbers->isZero(0)) numbers->resize(0);
   }
-  BoundedRows& rows = problem.rows;
-  rows.bounds = LcpBounds::nonnegative(m);
-  rows.b = rows.compliance = Vector::Zero(m);
-  for (Index i = 0; i < m; ++i) {
-    const Row& row = scene.rows[static_cast<std::size_t>(i)];
-    R.col(i) = vector_of(row.direction);
-    rows.bounds.lower(i) = row.lower;
-    rows.bounds.upper(i) = row.upper;
-    rows.bounds.friction_of[static_cast<std::size_t>(i)] = row.friction_of;
-    rows.bounds.mu(i) = row.mu;
-    rows.b(i) = row.b;
-    rows.compliance(i) = row.compliance;
-    rows.is_angle.push_back(row.is_angle ? 1 : 0);
-  }
-  for (Vector* numbers : {&rows.b, &rows.compliance}) {
-    if (numbers->isZero(0)) numbers->resize(0);
-  }
+  problem = testing::with_rows(std::move(problem), scene.rows);
   if (&given == &scene) {
     problem.N = N;
     problem.D = D;
-    rows.R = R;
     problem.inertia = DenseInertia{own_inertia(given)};
     return problem;
   }
   problem.N = SparseMatrix(N.sparseView());
   problem.D = SparseMatrix(D.sparseView());
-  rows.R = SparseMatrix(R.sparseView());
+  problem.rows.R = SparseMatrix(to_dense(problem.rows.R).sparseView());
   BlockInertia bodies;
   const Index own = static_cast<Index>(given.v.size()), first = (ngc - own) / 2;
   for (Index k = 0; k < ngc; ++k) {
